@@ -1,0 +1,287 @@
+//! The camera: image size, lens model, projection with derivatives, and its inverse.
+//!
+//! Frame **C** has x to the right, y down and z forward, as in OpenCV. Pixel (0, 0) is the centre of the top-left
+//! pixel. The intrinsic parameters θ are `fx fy cx cy` in pixels, then the lens's coefficients in OpenCV's order.
+
+mod lens;
+
+pub use lens::Lens;
+
+use nalgebra::{Matrix2x3, Point3, SMatrix, Unit, Vector2, Vector3};
+use thiserror::Error;
+
+/// Parameters of the largest camera model: `fx fy cx cy` and the eight coefficients of [`Lens::Rational`].
+pub const MAX_INTRINSICS: usize = 12;
+
+/// Derivative of a pixel (2 rows) by the intrinsics (as many of the columns as the model has; the rest are zero).
+pub type IntrinsicsJacobian = SMatrix<f64, 2, MAX_INTRINSICS>;
+
+/// A calibrated camera.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Camera {
+    lens: Lens,
+    width: u32,
+    height: u32,
+    /// θ, padded with zeros.
+    intrinsics: [f64; MAX_INTRINSICS],
+    /// Beyond this measure of the angle to the optical axis the lens model folds back; see [`Lens::reach`].
+    reach: f64,
+}
+
+/// A pixel with its derivatives.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Projection {
+    /// The pixel `(u, v)`.
+    pub pixel: Vector2<f64>,
+    /// `∂(u, v)/∂p_C`, px per m.
+    pub by_point: Matrix2x3<f64>,
+    /// `∂(u, v)/∂θ`, px per unit of each parameter.
+    pub by_intrinsics: IntrinsicsJacobian,
+}
+
+/// Why a set of numbers is not a camera.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum CameraError {
+    /// The image has no pixels.
+    #[error("the image is {width} x {height} px; both sides must be at least 1 px")]
+    EmptyImage {
+        /// Image width given.
+        width: u32,
+        /// Image height given.
+        height: u32,
+    },
+    /// The number of parameters is not the model's.
+    #[error("the {lens} model has {expected} intrinsic parameters, {found} are given")]
+    ParameterCount {
+        /// Name of the lens model.
+        lens: &'static str,
+        /// Parameters of the model, fx fy cx cy included.
+        expected: usize,
+        /// Parameters given.
+        found: usize,
+    },
+    /// A parameter is NaN or infinite.
+    #[error("{name} is {value}; it must be a finite number")]
+    NotFinite {
+        /// The parameter.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A focal length is not positive.
+    #[error("{name} is {value} px; a focal length must be positive")]
+    FocalLength {
+        /// `fx` or `fy`.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+    },
+}
+
+impl Camera {
+    /// A camera from its `intrinsics`: `fx fy cx cy` in px, then the coefficients of `lens`.
+    ///
+    /// # Errors
+    /// When the image is empty, the number of parameters is not the model's, one is not finite, or a focal length
+    /// is not positive.
+    pub fn new(lens: Lens, width: u32, height: u32, intrinsics: &[f64]) -> Result<Self, CameraError> {
+        if width == 0 || height == 0 {
+            return Err(CameraError::EmptyImage { width, height });
+        }
+        let names = lens.parameter_names();
+        if intrinsics.len() != names.len() {
+            return Err(CameraError::ParameterCount {
+                lens: lens.name(),
+                expected: names.len(),
+                found: intrinsics.len(),
+            });
+        }
+        for (&name, &value) in names.iter().zip(intrinsics) {
+            if !value.is_finite() {
+                return Err(CameraError::NotFinite { name, value });
+            }
+        }
+        for (&name, &value) in names.iter().zip(&intrinsics[..2]) {
+            if value <= 0.0 {
+                return Err(CameraError::FocalLength { name, value });
+            }
+        }
+        let mut θ = [0.0; MAX_INTRINSICS];
+        θ[..intrinsics.len()].copy_from_slice(intrinsics);
+        Ok(Self { lens, width, height, intrinsics: θ, reach: lens.reach(&θ[4..]) })
+    }
+
+    /// The same image and lens model with other intrinsics.
+    ///
+    /// # Errors
+    /// As [`Camera::new`].
+    pub fn with_intrinsics(&self, intrinsics: &[f64]) -> Result<Self, CameraError> {
+        Self::new(self.lens, self.width, self.height, intrinsics)
+    }
+
+    /// The lens model.
+    pub fn lens(&self) -> Lens {
+        self.lens
+    }
+
+    /// Image width in px.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Image height in px.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// θ: `fx fy cx cy` in px, then the lens's coefficients; as long as [`Lens::parameter_names`].
+    pub fn intrinsics(&self) -> &[f64] {
+        &self.intrinsics[..self.lens.parameter_names().len()]
+    }
+
+    /// Whether `pixel` lies in the image, at least `margin` px from its border.
+    pub fn contains(&self, pixel: &Vector2<f64>, margin: f64) -> bool {
+        // The border runs half a pixel outside the outermost pixel centres.
+        let inside = |x: f64, size: u32| x >= margin - 0.5 && x <= f64::from(size) - 0.5 - margin;
+        inside(pixel.x, self.width) && inside(pixel.y, self.height)
+    }
+
+    /// The pixel of point `p_C` (m), or `None` behind the camera or where the lens model folds back.
+    pub fn project(&self, p_C: &Point3<f64>) -> Option<Vector2<f64>> {
+        let [fx, fy, cx, cy, ref coefficients @ ..] = self.intrinsics;
+        let m = self.lens.distort(&p_C.coords, coefficients, self.reach)?;
+        Some(Vector2::new(fx * m.x + cx, fy * m.y + cy))
+    }
+
+    /// The pixel of point `p_C` (m) with its derivatives, or `None` where [`Camera::project`] gives none.
+    pub fn project_with_derivatives(&self, p_C: &Point3<f64>) -> Option<Projection> {
+        let [fx, fy, cx, cy, ref coefficients @ ..] = self.intrinsics;
+        let d = self.lens.distort_with_derivatives(&p_C.coords, coefficients, self.reach)?;
+        let mut by_intrinsics = IntrinsicsJacobian::zeros();
+        by_intrinsics[(0, 0)] = d.point.x;
+        by_intrinsics[(1, 1)] = d.point.y;
+        by_intrinsics[(0, 2)] = 1.0;
+        by_intrinsics[(1, 3)] = 1.0;
+        for (j, column) in d.by_coefficients.column_iter().enumerate() {
+            by_intrinsics[(0, 4 + j)] = fx * column[0];
+            by_intrinsics[(1, 4 + j)] = fy * column[1];
+        }
+        let mut by_point = d.by_point;
+        by_point.row_mut(0).scale_mut(fx);
+        by_point.row_mut(1).scale_mut(fy);
+        Some(Projection { pixel: Vector2::new(fx * d.point.x + cx, fy * d.point.y + cy), by_point, by_intrinsics })
+    }
+
+    /// The direction in C whose image is `pixel`, or `None` where the lens reaches no such pixel.
+    pub fn unproject(&self, pixel: &Vector2<f64>) -> Option<Unit<Vector3<f64>>> {
+        let [fx, fy, cx, cy, ref coefficients @ ..] = self.intrinsics;
+        let m = Vector2::new((pixel.x - cx) / fx, (pixel.y - cy) / fy);
+        self.lens.undistort(&m, coefficients, self.reach)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn cameras() -> Vec<Camera> {
+        let focal = [1000.0, 990.0, 641.0, 362.0];
+        [
+            (Lens::Pinhole, vec![]),
+            (Lens::BrownConrady, vec![-0.2, 0.05, 1e-3, -2e-3, 0.01]),
+            (Lens::Rational, vec![-0.012, 0.036, -2.5e-4, 5.3e-4, 0.0197, 0.0148, -0.0562, 0.05]),
+            (Lens::KannalaBrandt, vec![-0.02, 0.01, -0.004, 0.001]),
+        ]
+        .into_iter()
+        .map(|(lens, coefficients)| Camera::new(lens, 1280, 720, &[&focal[..], &coefficients].concat()).unwrap())
+        .collect()
+    }
+
+    proptest! {
+        #[test]
+        fn derivatives_equal_finite_differences(x in -0.6..0.6, y in -0.35..0.35, z in 0.5..2.0) {
+            let p_C = Point3::new(x * z, y * z, z);
+            for camera in cameras() {
+                let projection = camera.project_with_derivatives(&p_C).unwrap();
+                prop_assert!((projection.pixel - camera.project(&p_C).unwrap()).norm() < 1e-10);
+                for axis in 0..3 {
+                    let h = 1e-6;
+                    let mut step = Vector3::zeros();
+                    step[axis] = h;
+                    let slope = (camera.project(&(p_C + step)).unwrap() - camera.project(&(p_C - step)).unwrap()) / (2.0 * h);
+                    prop_assert!((slope - projection.by_point.column(axis)).norm() < 1e-5 * slope.norm().max(100.0));
+                }
+                for j in 0..camera.intrinsics().len() {
+                    let h = 1e-6;
+                    let at = |offset: f64| {
+                        let mut θ = camera.intrinsics().to_vec();
+                        θ[j] += offset;
+                        camera.with_intrinsics(&θ).unwrap().project(&p_C).unwrap()
+                    };
+                    let slope = (at(h) - at(-h)) / (2.0 * h);
+                    prop_assert!((slope - projection.by_intrinsics.column(j)).norm() < 1e-5 * slope.norm().max(1.0));
+                }
+            }
+        }
+
+        #[test]
+        fn unprojection_inverts_projection(u in 0.0..1279.0, v in 0.0..719.0) {
+            let pixel = Vector2::new(u, v);
+            for camera in cameras() {
+                let ray = camera.unproject(&pixel).unwrap();
+                let again = camera.project(&Point3::from(ray.into_inner() * 3.0)).unwrap();
+                prop_assert!((again - pixel).norm() < 1e-9, "{camera:?}: {again}");
+            }
+        }
+    }
+
+    #[test]
+    fn points_behind_the_camera_or_beyond_the_fold_have_no_pixel() {
+        for camera in &cameras()[..3] {
+            assert_eq!(camera.project(&Point3::new(0.1, 0.0, -1.0)), None);
+        }
+        // r(1 − 0.2 r²) turns back at r = √(1/0.6) = 1.291.
+        let camera =
+            Camera::new(Lens::BrownConrady, 640, 480, &[500.0, 500.0, 320.0, 240.0, -0.2, 0.0, 0.0, 0.0, 0.0]).unwrap();
+        assert!(camera.project(&Point3::new(1.29, 0.0, 1.0)).is_some());
+        assert!(camera.project(&Point3::new(1.292, 0.0, 1.0)).is_none());
+        assert!(camera.project_with_derivatives(&Point3::new(1.292, 0.0, 1.0)).is_none());
+        assert!(camera.unproject(&Vector2::new(320.0 + 500.0 * 0.9, 240.0)).is_none());
+    }
+
+    #[test]
+    fn the_fisheye_sees_past_ninety_degrees() {
+        let camera =
+            Camera::new(Lens::KannalaBrandt, 1000, 1000, &[250.0, 250.0, 500.0, 500.0, 0.0, 0.0, 0.0, 0.0]).unwrap();
+        let pixel = camera.project(&Point3::new(1.0, 0.0, -0.1)).unwrap();
+        assert!((pixel.x - 500.0 - 250.0 * (1.0f64).atan2(-0.1)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_image_ends_half_a_pixel_outside_its_outermost_centres() {
+        let camera = &cameras()[0];
+        assert!(camera.contains(&Vector2::new(-0.5, 719.5), 0.0));
+        assert!(!camera.contains(&Vector2::new(-0.51, 10.0), 0.0));
+        assert!(!camera.contains(&Vector2::new(9.0, 10.0), 10.0));
+    }
+
+    #[test]
+    fn impossible_cameras_are_refused() {
+        let good = [500.0, 500.0, 320.0, 240.0];
+        assert_eq!(Camera::new(Lens::Pinhole, 0, 480, &good), Err(CameraError::EmptyImage { width: 0, height: 480 }));
+        assert!(matches!(
+            Camera::new(Lens::BrownConrady, 640, 480, &good),
+            Err(CameraError::ParameterCount { expected: 9, found: 4, .. })
+        ));
+        assert!(matches!(
+            Camera::new(Lens::Pinhole, 640, 480, &[500.0, -1.0, 0.0, 0.0]),
+            Err(CameraError::FocalLength { name: "fy", .. })
+        ));
+        assert!(matches!(
+            Camera::new(Lens::Pinhole, 640, 480, &[500.0, 500.0, f64::NAN, 0.0]),
+            Err(CameraError::NotFinite { name: "cx", .. })
+        ));
+    }
+}

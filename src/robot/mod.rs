@@ -1,0 +1,24 @@
+//! The robot: a serial chain of joints that carries a camera.
+
+mod chain;
+pub mod dh;
+
+pub use chain::{Chain, Joint, JointKind, Limits};
+
+use crate::spatial::Pose;
+
+/// A serial chain with a camera mounted on its flange.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Robot {
+    /// The joints from the base to the flange.
+    pub chain: Chain,
+    /// Pose of the camera in the flange frame.
+    pub X_FC: Pose,
+}
+
+impl Robot {
+    /// Pose `X_BC` of the camera in the base frame at joint values `q` (rad or m, one per joint).
+    pub fn camera_pose(&self, q: &[f64]) -> Pose {
+        self.chain.flange_pose(q) * self.X_FC
+    }
+}

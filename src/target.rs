@@ -1,0 +1,119 @@
+//! The planar calibration board and the zone it lies in.
+//!
+//! Frame **T** has its origin at the board's centre, x along its columns, y along its rows and z out of its
+//! printed side.
+
+use nalgebra::Point3;
+
+use crate::spatial::Pose;
+
+/// A checkerboard, its place on the robot, and the zone around it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Target {
+    /// The grid of inner corners.
+    pub board: Board,
+    /// Pose of the board in the robot's base frame.
+    pub X_BT: Pose,
+    /// The rectangle in the board's plane that the optical axis is tested against.
+    pub zone: Zone,
+}
+
+/// The corner grid of a checkerboard.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Board {
+    /// Inner corners along x.
+    pub columns: usize,
+    /// Inner corners along y.
+    pub rows: usize,
+    /// Distance of neighbouring corners in metres.
+    pub square: f64,
+}
+
+/// The marker zone of the paper: a rectangle centred on T's origin in T's plane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Zone {
+    /// Extent along x in metres.
+    pub width: f64,
+    /// Extent along y in metres.
+    pub height: f64,
+    /// Width in metres of the band along the inside of the border that counts as edge.
+    pub edge_margin: f64,
+}
+
+/// Where an optical axis meets the target's plane: the three cases of the paper.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AxisCase {
+    /// In the zone, farther from its border than the edge margin.
+    Inside,
+    /// In the zone, on its border or within the edge margin of it.
+    Edge,
+    /// Outside the zone, or the axis does not meet the plane in front of the camera.
+    Outside,
+}
+
+impl Board {
+    /// Number of inner corners.
+    pub fn corner_count(&self) -> usize {
+        self.columns * self.rows
+    }
+
+    /// Printed size in metres along x and y: one square more than inner corners in each direction.
+    pub fn printed_size(&self) -> (f64, f64) {
+        ((self.columns + 1) as f64 * self.square, (self.rows + 1) as f64 * self.square)
+    }
+
+    /// Position in T of the corner at `column` and `row`, counted from the corner with the least x and y.
+    pub fn corner(&self, column: usize, row: usize) -> Point3<f64> {
+        Point3::new(
+            (column as f64 - (self.columns - 1) as f64 / 2.0) * self.square,
+            (row as f64 - (self.rows - 1) as f64 / 2.0) * self.square,
+            0.0,
+        )
+    }
+
+    /// All corners in T, row by row: `columns × rows` points with z = 0.
+    pub fn corners(&self) -> impl ExactSizeIterator<Item = Point3<f64>> + '_ {
+        (0..self.corner_count()).map(|i| self.corner(i % self.columns, i / self.columns))
+    }
+}
+
+impl Zone {
+    /// The case of a point of the plane, given by its coordinates in T in metres.
+    pub fn case(&self, x: f64, y: f64) -> AxisCase {
+        let deeper_than = |margin: f64| self.width / 2.0 - x.abs() >= margin && self.height / 2.0 - y.abs() >= margin;
+        if !deeper_than(0.0) {
+            AxisCase::Outside
+        } else if deeper_than(self.edge_margin.next_up()) {
+            AxisCase::Inside
+        } else {
+            AxisCase::Edge
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn corners_are_centred_and_row_by_row() {
+        let board = Board { columns: 3, rows: 2, square: 0.1 };
+        let corners: Vec<_> = board.corners().collect();
+        assert_eq!(corners.len(), 6);
+        assert!((corners[0] - Point3::new(-0.1, -0.05, 0.0)).norm() < 1e-15);
+        assert!((corners[1] - Point3::new(0.0, -0.05, 0.0)).norm() < 1e-15);
+        assert!((corners[5] - Point3::new(0.1, 0.05, 0.0)).norm() < 1e-15);
+    }
+
+    #[test]
+    fn zone_cases_just_inside_and_just_outside_each_bound() {
+        let zone = Zone { width: 0.4, height: 0.2, edge_margin: 0.01 };
+        assert_eq!(zone.case(0.0, 0.0), AxisCase::Inside);
+        assert_eq!(zone.case(0.189, 0.0), AxisCase::Inside);
+        assert_eq!(zone.case(0.191, 0.0), AxisCase::Edge);
+        assert_eq!(zone.case(0.2, 0.1), AxisCase::Edge);
+        assert_eq!(zone.case(0.201, 0.0), AxisCase::Outside);
+        assert_eq!(zone.case(0.0, -0.1001), AxisCase::Outside);
+        assert_eq!(zone.case(f64::NAN, 0.0), AxisCase::Outside);
+    }
+}
