@@ -1,0 +1,5 @@
+//! What a view teaches about the camera's intrinsics.
+
+mod criterion;
+
+pub use criterion::Criterion;
