@@ -143,8 +143,8 @@ fn rejection(
     let to_board = X_CT.translation.vector;
     let distance = to_board.norm();
     let cos_incidence = -(X_CT.rotation * Vector3::z()).dot(&to_board) / distance;
-    // Negated comparisons, so that a camera at the board's very centre (NaN) is rejected too.
-    if !(cos_incidence > 0.0) {
+    // At the board's very centre the cosine is NaN.
+    if cos_incidence.is_nan() || cos_incidence <= 0.0 {
         return Some(Rejection::BackSide);
     }
     if !(limits.min_distance..=limits.max_distance).contains(&distance) {
