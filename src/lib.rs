@@ -4,6 +4,7 @@
 pub mod camera;
 pub mod feasibility;
 pub mod information;
+pub mod plan;
 pub mod problem;
 pub mod robot;
 pub mod selection;

@@ -1,3 +1,5 @@
-//! The command line of calipose.
+//! The command line of calipose; see `calipose --help`.
 
-fn main() {}
+fn main() -> std::process::ExitCode {
+    calipose::cli::main()
+}

@@ -27,16 +27,9 @@ impl Certificate {
     /// As [`Certificate::new`] with the scores at `y` at hand.
     pub(super) fn from_scores(instance: &Instance, y: Vec<f64>, scores: &[f64]) -> Self {
         let p = instance.order();
-        let mut largest = scores.to_vec();
-        if instance.count() < largest.len() {
-            largest.select_nth_unstable_by(instance.count() - 1, |a, b| b.total_cmp(a));
-        }
-        largest.truncate(instance.count());
-        // Sorted, so that the sum does not depend on how the selection left them.
-        largest.sort_unstable_by(f64::total_cmp);
         let prior = crate::information::packed::dual(y.clone(), p);
         let known: f64 = prior.iter().zip(instance.prior()).map(|(y, m)| y * m).sum();
-        let S = known + largest.iter().sum::<f64>();
+        let S = known + sum_of_largest(scores.to_vec(), instance.count());
         let log_bound = S.ln() - instance.function().log_polar(&y, p) + ROUNDING;
         Self { y, log_bound: if log_bound.is_nan() { f64::INFINITY } else { log_bound } }
     }
@@ -45,4 +38,15 @@ impl Certificate {
     pub fn efficiency(&self, log_value: f64) -> f64 {
         (log_value - self.log_bound).exp()
     }
+}
+
+/// Sum of the `count` largest numbers.
+pub(super) fn sum_of_largest(mut numbers: Vec<f64>, count: usize) -> f64 {
+    if count < numbers.len() {
+        numbers.select_nth_unstable_by(count, |a, b| b.total_cmp(a));
+        numbers.truncate(count);
+    }
+    // Sorted, so that the sum does not depend on how the selection left them.
+    numbers.sort_unstable_by(f64::total_cmp);
+    numbers.iter().sum()
 }

@@ -49,8 +49,14 @@ impl Sweep {
 const MOST_SUFFIXES: usize = 512;
 
 /// Sweeps `space` and keeps the configurations that `rule` asks for. The result does not depend on the number of
-/// threads.
-pub fn sweep(robot: &Robot, target: &Target, space: &JointSpace, rule: AxisRule) -> Sweep {
+/// threads. `observe` is told, from any thread, how many configurations have been swept since it was last called.
+pub fn sweep(
+    robot: &Robot,
+    target: &Target,
+    space: &JointSpace,
+    rule: AxisRule,
+    observe: &(dyn Fn(usize) + Sync),
+) -> Sweep {
     let X_TB = target.X_BT.inverse();
     let parts: Vec<Sweep> = match space {
         JointSpace::Grid(grid) => {
@@ -61,6 +67,7 @@ pub fn sweep(robot: &Robot, target: &Target, space: &JointSpace, rule: AxisRule)
                 .fold(Sweep::empty, |mut found, prefix| {
                     let X_TP = X_TB * split.prefix_pose(robot, grid, prefix);
                     split.suffixes.meet(&X_TP, &target.zone, rule, prefix * split.suffixes.len(), &mut found);
+                    observe(split.suffixes.len());
                     found
                 })
                 .collect()
@@ -72,6 +79,7 @@ pub fn sweep(robot: &Robot, target: &Target, space: &JointSpace, rule: AxisRule)
                 let mut one = Suffixes::default();
                 one.push(&robot.camera_pose(&space.configuration(id)));
                 one.meet(&X_TB, &target.zone, rule, id, &mut found);
+                observe(1);
                 found
             })
             .collect(),
