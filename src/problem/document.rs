@@ -70,7 +70,8 @@ impl<'a> Document<'a> {
         Ok(Self { text, root: DeTable::parse(text)? })
     }
 
-    /// The bytes of the value at `path`; of the nearest key above it where the file leaves it out.
+    /// The bytes of the value at `path`, of the key if it is a section; of the nearest key above where the file leaves
+    /// it out.
     pub(super) fn locate(&self, path: &KeyPath) -> Range<usize> {
         let mut nearest = 0..0;
         let mut children = Children::Table(self.root.get_ref());
@@ -80,7 +81,8 @@ impl<'a> Document<'a> {
             };
             nearest = key.unwrap_or_else(|| value.span());
             children = Children::of(value.get_ref());
-            if matches!(children, Children::None) {
+            let header = self.text[value.span()].starts_with("[[");
+            if !(header || matches!(children, Children::Table(_))) {
                 nearest = value.span();
             }
         }
@@ -172,6 +174,8 @@ mod tests {
         assert_eq!(at(&joints.at(1).key("a_mm")), "[[robot.joints]]");
         assert_eq!(at(&KeyPath::section("camera")), "");
         assert_eq!(at(&robot), "robot");
+        assert_eq!(at(&robot.key("flange").key("position_mm")), "[1, 2, 3]");
+        assert_eq!(at(&joints), "joints");
     }
 
     #[test]

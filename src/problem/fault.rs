@@ -211,7 +211,7 @@ impl Fault {
             Reason::NotUnit { norm } => format!("`{key}` has norm {}", Number(*norm)),
             Reason::FoldsBack { .. } => format!("`{key}` folds back within the image"),
             Reason::TooManyConfigurations { configurations, .. } => {
-                format!("`{key}` makes {} configurations", Number(*configurations as f64))
+                format!("`{key}` makes {:.1e} configurations", *configurations as f64)
             }
             Reason::TooManyJoints { joints, .. } => format!("`{key}` cannot serve {joints} joints"),
         }
@@ -247,7 +247,7 @@ impl Fault {
         let hint = match &self.reason {
             Reason::UnknownKey { allowed } => suggestion(last_key, allowed, "keys here"),
             Reason::UnknownName { name, allowed } => suggestion(name, allowed, "allowed"),
-            Reason::Missing { allowed } if !allowed.is_empty() => format!("allowed: {}", quoted(allowed)),
+            Reason::Missing { allowed } if !allowed.is_empty() => format!("choose one of {}", quoted(allowed)),
             Reason::NotApplicable { instead, .. } => instead.clone(),
             Reason::BoardBeyondZone { .. } => {
                 "the printed board is one square larger each way than its inner corners; take a larger zone, smaller \

@@ -6,6 +6,7 @@
 mod document;
 mod error;
 mod fault;
+mod json_schema;
 mod named;
 mod resolve;
 mod schema;
@@ -15,7 +16,7 @@ mod syntax;
 
 pub use error::ProblemError;
 pub use fault::{Allowed, Fault, Reason};
-pub use schema::schema_json;
+pub use json_schema::schema_json;
 pub use step::StepError;
 
 use std::path::{Path, PathBuf};

@@ -4,11 +4,9 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 
-use super::document::KeyPath;
 use super::named::{MountName, Named};
-use super::shape::{NumberOrList, RangeOrSets, TextOrTable};
+use super::shape::{NumberOrList, Numbers, RangeOrSets, TextOrTable};
 use crate::camera::Lens;
 use crate::information::Criterion;
 use crate::robot::JointKind;
@@ -103,11 +101,11 @@ pub(super) struct Joint {
 pub(super) struct Pose {
     /// Position x, y, z in mm; zero when left out.
     #[serde(default)]
-    pub(super) position_mm: [f64; 3],
+    pub(super) position_mm: Numbers<3>,
     /// Roll, pitch and yaw in degrees, as in URDF: Rz(yaw) Ry(pitch) Rx(roll). No rotation when left out.
-    pub(super) rpy_deg: Option<[f64; 3]>,
+    pub(super) rpy_deg: Option<Numbers<3>>,
     /// Orientation as a unit quaternion x, y, z, w, instead of `rpy_deg`.
-    pub(super) quaternion_xyzw: Option<[f64; 4]>,
+    pub(super) quaternion_xyzw: Option<Numbers<4>>,
 }
 
 /// The nominal camera. Pixel (0, 0) is the centre of the top-left pixel.
@@ -317,30 +315,5 @@ impl Default for Noise {
 impl Default for Selection {
     fn default() -> Self {
         Self { criterion: Named(Criterion::V), method: Named(Method::Best), count: 10, seed: 0, tolerance: 1e-9 }
-    }
-}
-
-/// The JSON Schema of problem files, for editors.
-pub fn schema_json() -> Value {
-    schemars::schema_for!(File).to_value()
-}
-
-/// What the key at `path` means: its description in the schema.
-pub(super) fn meaning(path: &KeyPath) -> Option<String> {
-    let root = schema_json();
-    let mut node = &root;
-    for key in path.keys() {
-        node = node_below(&root, node).pointer("/properties").and_then(|properties| properties.get(key))?;
-    }
-    Some(node.get("description")?.as_str()?.replace('\n', " "))
-}
-
-/// The object that `node` refers to, is a list of, or may be.
-fn node_below<'s>(root: &'s Value, node: &'s Value) -> &'s Value {
-    let referred = node.get("$ref").and_then(Value::as_str).and_then(|name| root.pointer(name.trim_start_matches('#')));
-    let either = || node.get("anyOf")?.as_array()?.iter().find(|option| option.get("$ref").is_some());
-    match referred.or_else(|| node.get("items")).or_else(either) {
-        Some(below) => node_below(root, below),
-        None => node,
     }
 }

@@ -10,10 +10,14 @@ use std::marker::PhantomData;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer, StrDeserializer};
 use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Visitor};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
+
+/// A list of exactly `N` numbers. Serde's own arrays take longer lists without a word.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Numbers<const N: usize>(pub(super) [f64; N]);
 
 /// `[min, max]`.
-pub(super) type Range = [f64; 2];
+pub(super) type Range = Numbers<2>;
 
 /// `8` or `[8, 4, 8]`.
 #[derive(Debug, Clone, Serialize)]
@@ -37,6 +41,52 @@ pub(super) enum RangeOrSets {
 pub(super) enum TextOrTable<S, T> {
     Text(S),
     Table(T),
+}
+
+impl<'de, const N: usize> Deserialize<'de> for Numbers<N> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Shape<const N: usize>;
+        impl<'de, const N: usize> Visitor<'de> for Shape<N> {
+            type Value = Numbers<N>;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                write!(f, "a list of {N} numbers")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, list: A) -> Result<Self::Value, A::Error> {
+                let list = Vec::deserialize(SeqAccessDeserializer::new(list))?;
+                let numbers = list.try_into().map_err(|list: Vec<f64>| Error::invalid_length(list.len(), &self))?;
+                Ok(Numbers(numbers))
+            }
+        }
+        deserializer.deserialize_seq(Shape)
+    }
+}
+
+impl<const N: usize> Serialize for Numbers<N> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.0)
+    }
+}
+
+impl<const N: usize> JsonSchema for Numbers<N> {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        format!("Numbers{N}").into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "type": "array", "items": { "type": "number" }, "minItems": N, "maxItems": N })
+    }
+}
+
+impl<const N: usize> Default for Numbers<N> {
+    fn default() -> Self {
+        Self([0.0; N])
+    }
 }
 
 impl<'de> Deserialize<'de> for NumberOrList {

@@ -2,7 +2,8 @@
 
 use super::document::{Document, KeyPath, line_and_column};
 use super::fault::{Fault, Reason};
-use super::schema::{self, File};
+use super::json_schema::meaning;
+use super::schema::File;
 
 /// The document of `text`, and what it says.
 pub(super) fn read(text: &str) -> Result<(Document<'_>, File), Fault> {
@@ -22,7 +23,7 @@ pub(super) fn read(text: &str) -> Result<(Document<'_>, File), Fault> {
 pub(super) fn fault(document: &Document, path: &KeyPath, reason: Reason) -> Fault {
     let span = document.locate(path);
     let (line, column) = document.line_and_column(span.start);
-    Fault { key: path.to_string(), line, column, span, reason, meaning: schema::meaning(path) }
+    Fault { key: path.to_string(), line, column, span, reason, meaning: meaning(path) }
 }
 
 /// Serde reports in text only; its wording is stable, and snapshots of the messages hold it.
@@ -47,7 +48,7 @@ fn translate(document: &Document, text: &str, error: &toml::de::Error) -> Fault 
         Reason::Syntax { message: message.to_owned() }
     };
     let (line, column) = line_and_column(text, span.start);
-    Fault { key: path.to_string(), line, column, span, reason, meaning: schema::meaning(&path) }
+    Fault { key: path.to_string(), line, column, span, reason, meaning: meaning(&path) }
 }
 
 fn plain_found(serde: &str) -> String {
@@ -56,7 +57,7 @@ fn plain_found(serde: &str) -> String {
         Some(("integer" | "boolean", value)) => value.trim_matches('`').to_owned(),
         Some(("floating", value)) => value.trim_start_matches("point ").trim_matches('`').to_owned(),
         Some(("string", value)) => format!("the text {value}"),
-        Some(("invalid", length)) => length.replace("length ", "a list of "),
+        Some(("invalid", length)) => length.replace("length ", "a list of length "),
         _ => match found {
             "sequence" => "a list".into(),
             "map" => "a table".into(),
@@ -74,6 +75,6 @@ fn plain_expected(serde: &str) -> String {
         "a sequence" => "a list".into(),
         "a map" => "a table".into(),
         _ if serde.starts_with("struct ") => "a table".into(),
-        _ => serde.replace("an array of length ", "a list of ").replace("a sequence", "a list"),
+        _ => serde.to_owned(),
     }
 }

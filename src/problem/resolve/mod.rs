@@ -12,6 +12,7 @@ use nalgebra::{Quaternion, UnitQuaternion};
 
 use super::document::{Document, KeyPath};
 use super::fault::{Allowed, Fault, Reason};
+use super::shape::Numbers;
 use super::{Problem, SelectionSettings, schema, syntax};
 use crate::camera::Lens;
 use crate::feasibility::VisibilityLimits;
@@ -99,19 +100,19 @@ impl Check<'_, '_> {
 
     fn pose(&mut self, path: &KeyPath, pose: &schema::Pose) -> Pose {
         let at = path.key("position_mm");
-        let mut position = pose.position_mm;
+        let mut position = pose.position_mm.0;
         for (i, p) in position.iter_mut().enumerate() {
             *p = self.length(&at.at(i), *p, LENGTH);
         }
         let rotation = match (pose.rpy_deg, pose.quaternion_xyzw) {
             (None, None) => UnitQuaternion::identity(),
-            (Some(rpy), None) => {
+            (Some(Numbers(rpy)), None) => {
                 let at = path.key("rpy_deg");
                 let mut angle = |i: usize| self.angle(&at.at(i), rpy[i], ANGLE);
                 let (roll, pitch, yaw) = (angle(0), angle(1), angle(2));
                 UnitQuaternion::from_euler_angles(roll, pitch, yaw)
             }
-            (None, Some([x, y, z, w])) => {
+            (None, Some(Numbers([x, y, z, w]))) => {
                 let quaternion = Quaternion::new(w, x, y, z);
                 let norm = quaternion.norm();
                 // Files round; anything farther off is not meant as a rotation.

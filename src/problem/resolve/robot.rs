@@ -7,7 +7,7 @@ use crate::problem::document::KeyPath;
 use crate::problem::fault::{Allowed, Reason};
 use crate::problem::named::{MountName, Named};
 use crate::problem::schema;
-use crate::problem::shape::{Range, RangeOrSets, TextOrTable};
+use crate::problem::shape::{Numbers, Range, RangeOrSets, TextOrTable};
 use crate::robot::dh::{self, Row};
 use crate::robot::{JointKind, Limits, Robot};
 use crate::spatial::Pose;
@@ -34,16 +34,12 @@ impl Check<'_, '_> {
             }
             rows.push(self.row(&at, joint, robot.limits.as_deref()));
         }
-        let in_sets = |joint: &schema::Joint| {
-            matches!(
-                (&joint.limits_deg, &joint.limits_mm),
-                (Some(RangeOrSets::Sets(_)), _) | (_, Some(RangeOrSets::Sets(_)))
-            )
-        };
-        if let Some(name) = &robot.limits
-            && !robot.joints.iter().any(in_sets)
+        let in_sets = |limits: &Option<RangeOrSets>| matches!(limits, Some(RangeOrSets::Sets(_)));
+        if robot.limits.is_some()
+            && !robot.joints.iter().any(|joint| in_sets(&joint.limits_deg) || in_sets(&joint.limits_mm))
         {
-            self.fault(&at.key("limits"), Reason::UnknownName { name: name.clone(), allowed: Vec::new() });
+            let to = "joints that give one range each".to_owned();
+            self.fault(&at.key("limits"), Reason::NotApplicable { to, instead: "leave it out".into() });
         }
         let X_nF = robot.flange.as_ref().map_or_else(Pose::identity, |flange| self.pose(&at.key("flange"), flange));
         let X_FC = self.mount(mount);
@@ -58,7 +54,7 @@ impl Check<'_, '_> {
                 self.not_applicable(at, "limits_mm", joint.limits_mm.is_some(), "a revolute joint", "limits_deg");
                 let speed_mm = joint.max_speed_mm_s.is_some();
                 self.not_applicable(at, "max_speed_mm_s", speed_mm, "a revolute joint", "max_speed_deg_s");
-                let [min, max] = self.limits(&at.key("limits_deg"), joint.limits_deg.as_ref(), set, ANGLE);
+                let Numbers([min, max]) = self.limits(&at.key("limits_deg"), joint.limits_deg.as_ref(), set, ANGLE);
                 let speed_at = at.key("max_speed_deg_s");
                 (
                     Limits { min: min.to_radians(), max: max.to_radians() },
@@ -69,7 +65,7 @@ impl Check<'_, '_> {
                 self.not_applicable(at, "limits_deg", joint.limits_deg.is_some(), "a prismatic joint", "limits_mm");
                 let speed_deg = joint.max_speed_deg_s.is_some();
                 self.not_applicable(at, "max_speed_deg_s", speed_deg, "a prismatic joint", "max_speed_mm_s");
-                let [min, max] = self.limits(&at.key("limits_mm"), joint.limits_mm.as_ref(), set, LENGTH);
+                let Numbers([min, max]) = self.limits(&at.key("limits_mm"), joint.limits_mm.as_ref(), set, LENGTH);
                 let speed_at = at.key("max_speed_mm_s");
                 (
                     Limits { min: min / 1e3, max: max / 1e3 },
@@ -98,7 +94,7 @@ impl Check<'_, '_> {
 
     /// The range to use, in the file's unit.
     fn limits(&mut self, path: &KeyPath, limits: Option<&RangeOrSets>, set: Option<&str>, allowed: Allowed) -> Range {
-        const NONE: Range = [0.0, 0.0];
+        const NONE: Range = Numbers([0.0, 0.0]);
         match limits {
             None => {
                 self.fault(path, Reason::Missing { allowed: Vec::new() });
@@ -129,7 +125,7 @@ impl Check<'_, '_> {
     }
 
     fn range(&mut self, path: &KeyPath, range: Range, allowed: Allowed) -> Range {
-        let [min, max] = range;
+        let Numbers([min, max]) = range;
         self.number(&path.at(0), min, allowed);
         self.number(&path.at(1), max, allowed);
         if min > max {
