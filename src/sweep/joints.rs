@@ -71,6 +71,11 @@ impl JointGrid {
         self.joints.iter().map(|axis| axis.count).collect()
     }
 
+    /// Step of each joint, rad or m.
+    pub fn steps(&self) -> Vec<f64> {
+        self.joints.iter().map(|axis| axis.step).collect()
+    }
+
     /// Number of configurations: the product of the counts, saturating.
     pub fn len(&self) -> usize {
         self.joints.iter().fold(1, |product, axis| product.saturating_mul(axis.count))
