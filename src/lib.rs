@@ -2,6 +2,7 @@
 #![allow(non_snake_case, mixed_script_confusables, uncommon_codepoints, confusable_idents)]
 
 pub mod camera;
+pub mod cli;
 pub mod feasibility;
 pub mod information;
 pub mod plan;

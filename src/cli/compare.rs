@@ -6,7 +6,8 @@ use serde_json::{Value, json};
 use super::Overrides;
 use super::failure::Failure;
 use super::screen::{Screen, short, table};
-use crate::plan::{Chooser, Equivalent, Problem, Row, compare, equivalent_kmeans, survey};
+use crate::plan::{Chooser, Equivalent, Row, compare, equivalent_kmeans, survey};
+use crate::problem::Problem;
 use crate::selection::Method;
 
 #[derive(Debug, Args)]
@@ -36,7 +37,7 @@ pub(super) fn run(arguments: &CompareArguments, screen: &mut Screen) -> Result<(
     bar.finish_and_clear();
     let survey = surveyed?;
 
-    let chooser = Chooser::of(&problem, &survey);
+    let chooser = Chooser::new(&problem, &survey);
     let bar = screen.progress("comparing", Method::ALL.len() * counts.len());
     let compared =
         compare(&chooser, &Method::ALL, &counts, problem.selection.seed, arguments.seeds, &mut || bar.inc(1));

@@ -55,8 +55,12 @@ fn plan_help(error: &PlanError) -> &'static str {
             "the reasons above tell which limit of [visibility] to loosen; a smaller board is seen whole from nearer"
         }
         PlanError::Survey(SurveyError::PoseUndetermined { .. }) => "use a board with more corners",
-        PlanError::TooFewViews { .. } => "ask for fewer poses, sweep with a finer step, or loosen the limits of [visibility]",
-        PlanError::Unobservable { .. } => "ask for more poses, or take a parameter of the combination out of [estimate]",
+        PlanError::TooFewViews { .. } => {
+            "ask for fewer poses, sweep with a finer step, or loosen the limits of [visibility]"
+        }
+        PlanError::Unobservable { .. } => {
+            "ask for more poses, or take a parameter of the combination out of [estimate]"
+        }
         PlanError::Selection(_) | PlanError::Clustering(_) => "this is probably a bug; please report it",
     }
 }

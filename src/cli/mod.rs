@@ -25,7 +25,11 @@ use crate::selection::Method;
 
 /// Plans the robot poses that calibrate a camera best, with a certificate of how far from optimal they can be.
 #[derive(Debug, Parser)]
-#[command(version, max_term_width = 100, after_help = "Exit codes: 0 done, 1 failed, 2 wrong command line, 3 problem file refused, 70 bug, 130 interrupted.")]
+#[command(
+    version,
+    max_term_width = 100,
+    after_help = "Exit codes: 0 done, 1 failed, 2 wrong command line, 3 problem file refused, 70 bug, 130 interrupted."
+)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -95,9 +99,8 @@ fn by_name<T: Copy + Send + Sync + 'static>(
     name: fn(T) -> &'static str,
 ) -> impl clap::builder::TypedValueParser<Value = T> {
     use clap::builder::TypedValueParser;
-    clap::builder::PossibleValuesParser::new(all.iter().map(|&value| name(value))).try_map(move |text| {
-        all.iter().copied().find(|&value| name(value) == text).ok_or("unknown name")
-    })
+    clap::builder::PossibleValuesParser::new(all.iter().map(|&value| name(value)))
+        .try_map(move |text| all.iter().copied().find(|&value| name(value) == text).ok_or("unknown name"))
 }
 
 /// File format of the candidates.
@@ -127,7 +130,7 @@ pub fn main() -> ExitCode {
         match run(&arguments.command, &mut screen) {
             Ok(()) => ExitCode::SUCCESS,
             Err(failure) => {
-                screen.fail(&failure);
+                Screen::fail(&failure);
                 ExitCode::from(failure.exit_code())
             }
         }

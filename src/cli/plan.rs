@@ -9,7 +9,10 @@ use serde_json::json;
 use super::failure::Failure;
 use super::screen::{Screen, grouped, short, table};
 use super::{Overrides, TableFormat, WRITING, method};
-use crate::plan::{Chooser, Plan, PlanError, Problem, Survey, candidates_csv, candidates_parquet, compare, survey, write_atomically};
+use crate::plan::{
+    Chooser, Plan, PlanError, Survey, candidates_csv, candidates_parquet, compare, survey, write_atomically,
+};
+use crate::problem::Problem;
 use crate::selection::Method;
 
 #[derive(Debug, Args)]
@@ -53,11 +56,11 @@ pub(super) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<(), 
     let survey_time = start.elapsed();
 
     let bar = screen.progress("selecting", 1);
-    let chooser = Chooser::of(&problem, &survey);
+    let chooser = Chooser::new(&problem, &survey);
     let made = make(&problem, &survey, &chooser);
     bar.finish_and_clear();
     let plan = made?;
-    let selection_time = start.elapsed() - survey_time;
+    let selection_time = start.elapsed().saturating_sub(survey_time);
 
     let mut files = vec![("plan.json", plan.to_json().into_bytes()), ("plan.csv", plan.to_csv().map_err(in_memory)?)];
     match arguments.candidates {

@@ -84,10 +84,7 @@ pub(super) fn init(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
     }
     write_atomically(file, STARTER.as_bytes())?;
     screen.document(&json!({ "format": "calipose.init", "version": 1, "file": file }).to_string())?;
-    screen.text(&format!(
-        "Written {0}. Edit it, then:\n  calipose check {0}\n  calipose plan {0}",
-        file.display()
-    ))
+    screen.text(&format!("Written {0}. Edit it, then:\n  calipose check {0}\n  calipose plan {0}", file.display()))
 }
 
 pub(super) fn schema(_screen: &mut Screen) -> Result<(), Failure> {

@@ -51,7 +51,7 @@ impl Screen {
         bar
     }
 
-    pub(super) fn fail(&mut self, failure: &Failure) {
+    pub(super) fn fail(failure: &Failure) {
         let theme = if std::io::IsTerminal::is_terminal(&std::io::stderr()) && std::env::var_os("NO_COLOR").is_none() {
             GraphicalTheme::unicode()
         } else {
@@ -83,7 +83,7 @@ pub(super) fn table(header: &[&str], rows: &[Vec<String>]) -> String {
     table.load_preset(presets::NOTHING).set_header(header);
     table.add_rows(rows);
     for (i, column) in table.column_iter_mut().enumerate() {
-        column.set_padding((if i == 0 { 0 } else { 1 }, 1));
+        column.set_padding((u16::from(i != 0), 1));
         column.set_cell_alignment(if i == 0 { CellAlignment::Left } else { CellAlignment::Right });
     }
     table.lines().map(|line| line.trim_end().to_owned()).collect::<Vec<_>>().join("\n")

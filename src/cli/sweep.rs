@@ -26,7 +26,9 @@ pub(super) fn run(arguments: &SweepArguments, screen: &mut Screen) -> Result<(),
     let problems = if arguments.step.is_empty() {
         vec![(String::from("file"), file)]
     } else {
-        let with_step = |&step: &f64| Ok((step.to_string(), file.clone().with_step(step).map_err(Failure::Usage)?));
+        let with_step = |&step: &f64| {
+            Ok((step.to_string(), file.clone().with_step(step).map_err(|error| Failure::Usage(error.to_string()))?))
+        };
         arguments.step.iter().map(with_step).collect::<Result<Vec<_>, Failure>>()?
     };
     let mut rows = Vec::new();

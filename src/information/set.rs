@@ -54,6 +54,9 @@ pub enum InformationError {
 /// Rows scored by one task: large enough to outweigh its start, the same on any number of threads.
 const ROWS_PER_TASK: usize = 4096;
 
+/// Negative eigenvalues of this size, on a unit diagonal, are rounding.
+const TOLERANCE: f64 = 1e-9;
+
 impl InformationSet {
     /// A set of matrices of order `p` from a row-major table of packed matrices.
     ///
@@ -163,7 +166,6 @@ fn check(packed: &[f64], p: usize, candidate: usize) -> Result<(), InformationEr
     let diagonal: Vec<f64> = (0..p).map(|i| packed[packed_len(i) + i]).collect();
     let scale = |i: usize| if diagonal[i] > 0.0 { diagonal[i].sqrt() } else { 1.0 };
     let scaled = DMatrix::from_fn(p, p, |i, j| packed[packed_len(i.max(j)) + i.min(j)] / (scale(i) * scale(j)));
-    const TOLERANCE: f64 = 1e-9;
     let mut shifted = pack(&(&scaled + DMatrix::identity(p, p) * TOLERANCE));
     if cholesky(&mut shifted, p) {
         return Ok(());

@@ -49,7 +49,7 @@ impl Table {
                 column.push(number);
             }
         }
-        Self { names, ids: views.iter().map(|view| view.id as i64).collect(), columns }
+        Self { names, ids: views.iter().map(|view| view.id.cast_signed() as i64).collect(), columns }
     }
 }
 

@@ -6,6 +6,7 @@ use thiserror::Error;
 use super::survey::{Survey, SurveyError};
 use crate::information::Criterion;
 use crate::information::packed::unpack;
+use crate::problem::{Problem, SelectionSettings};
 use crate::selection::{
     Best, Certificate, ClusteringError, InformationFunction, Instance, Method, RelaxationSettings, SelectionError,
     best, exchange, greedy, kmeans, random, relax,
@@ -81,16 +82,16 @@ pub struct Choice {
 }
 
 impl<'a> Chooser<'a> {
-    /// A chooser for `criterion`; `names` are those of the estimated intrinsics, `tolerance` the gap at which the
-    /// relaxation counts as solved.
-    pub fn new(survey: &'a Survey, criterion: Criterion, names: Vec<&'static str>, tolerance: f64) -> Self {
+    /// A chooser for the problem that was surveyed.
+    pub fn new(problem: &Problem, survey: &'a Survey) -> Self {
+        let SelectionSettings { criterion, tolerance, .. } = problem.selection;
         let map_error = InformationFunction::variance(&survey.map_weight);
         let function = match criterion {
             Criterion::D => InformationFunction::Determinant,
             Criterion::V => map_error.clone(),
         };
         let settings = RelaxationSettings { tolerance, ..RelaxationSettings::default() };
-        Self { survey, criterion, names, function, map_error, settings }
+        Self { survey, criterion, names: problem.estimated_names(), function, map_error, settings }
     }
 
     /// The value of the criterion in its own unit: `log det M` for `d`, the map error's variance in px² for `v`.
@@ -150,6 +151,18 @@ impl<'a> Chooser<'a> {
             }
         };
         Ok(self.assess(selected))
+    }
+
+    /// Refuses a choice that leaves a combination of the intrinsics undetermined.
+    ///
+    /// # Errors
+    /// [`PlanError::Unobservable`], with the combination.
+    pub fn require_observable(&self, choice: &Choice) -> Result<(), PlanError> {
+        if choice.log_value > f64::NEG_INFINITY {
+            return Ok(());
+        }
+        let instance = self.instance(choice.selected.len())?;
+        Err(self.explain(instance.unobservable(&choice.selected)))
     }
 
     /// Information of a choice, p×p.

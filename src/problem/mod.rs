@@ -89,6 +89,12 @@ fn most_configurations(rule: AxisRule) -> usize {
 }
 
 impl Problem {
+    /// Names of the estimated intrinsics.
+    pub fn estimated_names(&self) -> Vec<&'static str> {
+        let names = self.camera.lens().parameter_names();
+        self.estimated.iter().map(|&i| names[i]).collect()
+    }
+
     /// The problem that the file at `path` states.
     ///
     /// # Errors

@@ -29,8 +29,7 @@ pub struct Best {
 pub fn best(instance: &Instance, settings: &RelaxationSettings, seed: u64) -> Result<Best, SelectionError> {
     let start = exchange(instance, greedy(instance)?);
     let total = instance.total(&start);
-    let relaxation =
-        relax(instance, &start, settings).ok_or_else(|| instance.unobservable(&total, instance.count()))?;
+    let relaxation = relax(instance, &start, settings).ok_or_else(|| instance.unobservable(&start))?;
     let mut best = Best { log_value: instance.log_value(&total), selected: start, relaxation };
     let mut rng = Xoshiro256Plus::seed_from_u64(seed);
     let mut tried = vec![best.selected.clone()];

@@ -25,7 +25,7 @@ pub fn greedy(instance: &Instance) -> Result<Vec<usize>, SelectionError> {
     let mut free = vec![true; instance.candidates().len()];
     while selected.len() < instance.count() {
         let Some(y) = instance.function().gradient(&total, p) else {
-            return Err(instance.unobservable(&total, selected.len()));
+            return Err(instance.least_known(&total, selected.len()));
         };
         let before = instance.log_value(&total);
         let scores = instance.scores(&y);
@@ -53,9 +53,8 @@ pub fn greedy(instance: &Instance) -> Result<Vec<usize>, SelectionError> {
         instance.candidates().add_to(&mut total, i, 1.0);
         selected.push(i);
     }
-    let total = instance.total(&selected);
-    if instance.log_value(&total) == f64::NEG_INFINITY {
-        return Err(instance.unobservable(&total, instance.count()));
+    if instance.log_value(&instance.total(&selected)) == f64::NEG_INFINITY {
+        return Err(instance.unobservable(&selected));
     }
     Ok(selected)
 }

@@ -79,7 +79,7 @@ impl<'a> Instance<'a> {
         let instance = Self { candidates, prior, function, count };
         let everything = instance.with_mean(candidates.len() as f64);
         if instance.log_value(&everything) == f64::NEG_INFINITY {
-            return Err(instance.unobservable(&everything, candidates.len()));
+            return Err(instance.least_known(&everything, candidates.len()));
         }
         Ok(instance)
     }
@@ -131,8 +131,13 @@ impl<'a> Instance<'a> {
         self.prior.iter().zip(self.candidates.mean()).map(|(a, b)| a + weight * b).collect()
     }
 
-    /// The error that names the combination of which packed `total` knows least.
-    pub(super) fn unobservable(&self, total: &[f64], count: usize) -> SelectionError {
+    /// The error that names the combination of the parameters that a selection knows least.
+    pub fn unobservable(&self, selected: &[usize]) -> SelectionError {
+        self.least_known(&self.total(selected), selected.len())
+    }
+
+    /// As [`Instance::unobservable`] for a packed total of `count` views.
+    pub(super) fn least_known(&self, total: &[f64], count: usize) -> SelectionError {
         let M = unpack(total, self.order());
         // Scaled by what all candidates know of each parameter, so that units do not decide.
         let everything = unpack(&self.with_mean(self.candidates.len() as f64), self.order());
