@@ -1,5 +1,7 @@
 //! Every mistake in a problem file is drawn under its line with what is allowed and a hint. One snapshot a mistake.
 
+#![allow(clippy::unwrap_used)]
+
 use std::path::Path;
 
 use calipose::problem::{Problem, ProblemError};

@@ -1,12 +1,12 @@
 //! The problem files that ship load, and mean what they say.
 
-#![allow(non_snake_case)]
+#![allow(non_snake_case, clippy::unwrap_used, clippy::expect_used)]
 
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 use calipose::feasibility::visible_views;
-use calipose::problem::{Problem, STARTER, schema_json};
+use calipose::problem::{Problem, STARTER, StepError, schema_json};
 use calipose::robot::JointKind;
 use calipose::sweep::sweep;
 use nalgebra::{Point3, Vector2, Vector3};
@@ -48,12 +48,18 @@ fn the_starter_has_views_to_choose_from() {
 #[test]
 fn the_defaults_that_the_starter_shows_are_the_defaults() {
     let mut shown = STARTER.to_owned();
-    for key in ["max_incidence_deg", "min_corner_spacing_px", "axis", "criterion", "method", "seed", "tolerance"] {
+    for key in
+        ["margin_px", "max_incidence_deg", "min_corner_spacing_px", "axis", "criterion", "method", "seed", "tolerance"]
+    {
         let comment = format!("# {key} = ");
         assert!(shown.contains(&comment), "{key}");
         shown = shown.replace(&comment, &format!("{key} = "));
     }
-    for (comment, key) in [("# [output]\n# folder", "[output]\nfolder"), ("# flange = ", "flange = ")] {
+    for (comment, key) in [
+        ("# [output]\n# folder", "[output]\nfolder"),
+        ("# [estimate]\n# intrinsics", "[estimate]\nintrinsics"),
+        ("# flange = ", "flange = "),
+    ] {
         assert!(shown.contains(comment));
         shown = shown.replace(comment, key);
     }
@@ -166,7 +172,9 @@ fn assert_accepted(root: &Value, schema: &Value, value: &Value, path: &str) {
             }
         }
         Value::Array(list) if schema.get("items").is_some() => {
-            list.iter().for_each(|entry| assert_accepted(root, &schema["items"], entry, path));
+            for entry in list {
+                assert_accepted(root, &schema["items"], entry, path);
+            }
         }
         _ => {}
     }
@@ -195,11 +203,42 @@ fn the_schema_knows_every_key_of_the_files() {
 
 #[test]
 fn the_schema_describes_every_key() {
-    let schema = schema_json();
-    let objects = schema["definitions"].as_object().unwrap().values().chain([&schema]);
-    for object in objects {
-        for (key, property) in object["properties"].as_object().into_iter().flatten() {
-            assert!(property.get("description").is_some(), "{key}");
+    for (key, property) in properties(&schema_json()) {
+        assert!(property.get("description").is_some(), "{key}");
+    }
+}
+
+#[test]
+fn the_reference_names_every_key() {
+    let reference = std::fs::read_to_string("docs/problem-file.md").unwrap();
+    for (key, property) in properties(&schema_json()) {
+        let named =
+            [format!("`{key}`"), format!("`{key} "), format!(" {key} "), format!(" {key}`"), format!("{key}]`")];
+        assert!(named.iter().any(|name| reference.contains(name)), "{key}");
+        for name in property.get("enum").and_then(Value::as_array).into_iter().flatten() {
+            assert!(reference.contains(&format!("`{name}`")), "{key} = {name}");
         }
     }
+}
+
+fn properties(schema: &Value) -> Vec<(String, Value)> {
+    let objects = schema["definitions"].as_object().unwrap().values().chain([schema]);
+    let properties = objects.filter_map(|object| object["properties"].as_object());
+    properties.flatten().map(|(key, property)| (key.clone(), property.clone())).collect()
+}
+
+#[test]
+fn a_zone_of_exactly_the_board_holds_it_despite_binary_fractions() {
+    let text = STARTER.replace("columns = 9", "columns = 2").replace("square_mm = 25", "square_mm = 0.1");
+    load(&text.replace("[sweep]", "[target.zone]\nwidth_mm = 0.3\n[sweep]"));
+}
+
+#[test]
+fn steps_that_make_no_grid_are_refused() {
+    let problem = load(STARTER);
+    assert_eq!(problem.with_step(0.0), Err(StepError::NotPositive { step: 0.0 }));
+    assert!(matches!(problem.with_step(f64::NAN), Err(StepError::NotPositive { .. })));
+    let fine = problem.with_step(1e-3);
+    assert!(matches!(fine, Err(StepError::TooManyConfigurations { most: 100_000_000, .. })));
+    assert_eq!(problem.with_step(1.0).unwrap().space.len(), 3 * 2 * 3 * 4 * 2 * 7);
 }

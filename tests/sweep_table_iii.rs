@@ -3,6 +3,8 @@
 //! The zone is inferred, so this does not prove the paper's counts; it holds the grid exactly and the zone's counts to
 //! those of an independent computation.
 
+#![allow(clippy::unwrap_used)]
+
 use std::path::Path;
 
 use calipose::problem::Problem;

@@ -103,7 +103,7 @@ impl Problem {
         let bytes = std::fs::read(path).map_err(|source| ProblemError::Read { path: path.into(), source })?;
         let text = String::from_utf8(bytes).map_err(|error| {
             let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
-            let line = valid.iter().filter(|&&byte| byte == b'\n').count() + 1;
+            let line = String::from_utf8_lossy(valid).matches('\n').count() + 1;
             ProblemError::Encoding { path: path.into(), line }
         })?;
         Self::parse(&text, path)
@@ -116,10 +116,10 @@ impl Problem {
     /// When the text says something impossible.
     pub fn parse(text: &str, path: &Path) -> Result<Self, ProblemError> {
         let stem = path.file_stem().map(std::ffi::OsStr::to_string_lossy).unwrap_or_default();
-        let sha256 = Sha256::digest(text).iter().map(|byte| format!("{byte:02x}")).collect();
+        let sha256 = Sha256::digest(text).iter().fold(String::new(), |hex, byte| format!("{hex}{byte:02x}"));
         let problem = match syntax::read(text) {
             Ok((document, file)) => resolve::resolve(&document, &file, &stem, sha256),
-            Err(fault) => Err(vec![fault]),
+            Err(fault) => Err(vec![*fault]),
         };
         problem.map_err(|faults| ProblemError::Invalid {
             file: NamedSource::new(path.to_string_lossy(), text.to_owned()),

@@ -1,6 +1,7 @@
 //! The problem file as written: one struct per section, one field per key, units in the names.
 //!
 //! The doc comments are the descriptions of the JSON Schema and the hints of error messages.
+#![expect(clippy::struct_field_names, reason = "the units are part of the keys")]
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -113,8 +114,8 @@ pub(super) struct Pose {
 #[serde(deny_unknown_fields)]
 pub(super) struct Camera {
     /// Pose of the camera in the flange frame (x right, y down, z forward): "optical-axis-z" when they are the same
-    /// frame, "optical-axis-x" when the camera looks along the flange's x (z_C = x_F, y_C = -y_F, x_C = z_F), or a
-    /// table with position_mm and rpy_deg or quaternion_xyzw.
+    /// frame, "optical-axis-x" when the camera looks along the flange's x (`z_C` = `x_F`, `y_C` = -`y_F`, `x_C` = `z_F`), or a
+    /// table with `position_mm` and `rpy_deg` or `quaternion_xyzw`.
     #[serde(default)]
     pub(super) mount: TextOrTable<Named<MountName>, Pose>,
     /// Image width in px.
@@ -123,7 +124,7 @@ pub(super) struct Camera {
     pub(super) height_px: u32,
     /// Focal length along x, in px.
     pub(super) fx_px: f64,
-    /// Focal length along y, in px; fx_px when left out.
+    /// Focal length along y, in px; `fx_px` when left out.
     pub(super) fy_px: Option<f64>,
     /// Principal point x, in px; the image centre, (width - 1) / 2, when left out.
     pub(super) cx_px: Option<f64>,
@@ -138,7 +139,7 @@ pub(super) struct Camera {
 #[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Distortion {
-    /// Lens model: "brown-conrady" has k1 k2 p1 p2 k3 (ROS plumb_bob), "rational" k1 k2 p1 p2 k3 k4 k5 k6,
+    /// Lens model: "brown-conrady" has k1 k2 p1 p2 k3 (ROS `plumb_bob`), "rational" k1 k2 p1 p2 k3 k4 k5 k6,
     /// "kannala-brandt" k1 k2 k3 k4 (OpenCV fisheye).
     pub(super) model: Named<Lens>,
     /// First radial coefficient.
@@ -297,8 +298,8 @@ impl Default for Distortion {
 impl Default for Visibility {
     fn default() -> Self {
         Self {
-            margin_px: 0.0,
-            max_incidence_deg: 80.0,
+            margin_px: 5.0,
+            max_incidence_deg: 70.0,
             min_distance_mm: 0.0,
             max_distance_mm: 100_000.0,
             min_corner_spacing_px: 5.0,

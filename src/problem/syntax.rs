@@ -6,16 +6,16 @@ use super::json_schema::meaning;
 use super::schema::File;
 
 /// The document of `text`, and what it says.
-pub(super) fn read(text: &str) -> Result<(Document<'_>, File), Fault> {
+pub(super) fn read(text: &str) -> Result<(Document<'_>, File), Box<Fault>> {
     let document = Document::parse(text).map_err(|error| {
         let span = error.span().unwrap_or(0..0);
         let (line, column) = line_and_column(text, span.start);
         let reason = Reason::Syntax { message: error.message().to_owned() };
-        Fault { key: String::new(), line, column, span, reason, meaning: None }
+        Box::new(Fault { key: String::new(), line, column, span, reason, meaning: None })
     })?;
     match toml::from_str(text) {
         Ok(file) => Ok((document, file)),
-        Err(error) => Err(translate(&document, text, &error)),
+        Err(error) => Err(Box::new(translate(&document, text, &error))),
     }
 }
 
@@ -35,14 +35,14 @@ fn translate(document: &Document, text: &str, error: &toml::de::Error) -> Fault 
     if message.starts_with("missing field")
         && let [name] = &names[..]
     {
-        // A list's entry is reported at its whole text; its place is found by its path.
+        // Serde points at the whole section; its header is the better place.
         return fault(document, &path.key(name), Reason::Missing { allowed: Vec::new() });
     }
     let reason = if message.starts_with("unknown field") {
         Reason::UnknownKey { allowed: names.get(1..).unwrap_or_default().to_vec() }
     } else if let (true, [name, allowed @ ..]) = (message.starts_with("unknown variant"), &names[..]) {
         Reason::UnknownName { name: name.clone(), allowed: allowed.to_vec() }
-    } else if let Some((found, expected)) = message.split_once(", expected ") {
+    } else if let Some((found, expected)) = message.rsplit_once(", expected ") {
         Reason::Type { found: plain_found(found), expected: plain_expected(expected) }
     } else {
         Reason::Syntax { message: message.to_owned() }

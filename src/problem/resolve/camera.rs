@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::{Check, owned};
+use super::Check;
 use crate::camera::{Camera, Lens};
 use crate::problem::document::KeyPath;
 use crate::problem::fault::{Allowed, Reason};
@@ -58,16 +58,16 @@ impl Check<'_, '_> {
         let mut coefficients = vec![0.0; names.len()];
         for (name, value) in given {
             let Some(value) = value else { continue };
-            match names.iter().position(|&known| known == name) {
-                Some(i) => coefficients[i] = self.number(&at.key(name), value, COEFFICIENT),
-                None => {
-                    let instead = match &owned(names)[..] {
-                        [] => "choose another `model`, \"brown-conrady\" for instance".to_owned(),
-                        names => format!("its coefficients are {}", names.join(", ")),
-                    };
-                    let to = format!("the lens model \"{}\"", lens.name());
-                    self.fault(&at.key(name), Reason::NotApplicable { to, instead });
-                }
+            if let Some(i) = names.iter().position(|&known| known == name) {
+                coefficients[i] = self.number(&at.key(name), value, COEFFICIENT);
+            } else {
+                let instead = if names.is_empty() {
+                    "choose another `model`, \"brown-conrady\" for instance".to_owned()
+                } else {
+                    format!("its coefficients are {}", names.join(", "))
+                };
+                let to = format!("the lens model \"{}\"", lens.name());
+                self.fault(&at.key(name), Reason::NotApplicable { to, instead });
             }
         }
         coefficients

@@ -79,7 +79,9 @@ impl Check<'_, '_> {
             }
             Some(&NumberOrList::Number(step)) => {
                 let step = si(self, path, step);
-                of_kind.into_iter().for_each(|slot| *slot = step);
+                for slot in of_kind {
+                    *slot = step;
+                }
             }
             Some(NumberOrList::List(list)) => {
                 if list.len() != of_kind.len() {
