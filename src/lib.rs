@@ -2,7 +2,9 @@
 #![allow(non_snake_case, confusable_idents, mixed_script_confusables, uncommon_codepoints)]
 #![allow(non_ascii_idents)]
 
+pub mod calibration;
 pub mod camera;
 pub mod robot;
 pub mod spatial;
 pub mod target;
+pub mod verification;

@@ -119,6 +119,14 @@ impl Camera {
         Self::new(self.lens, self.width, self.height, intrinsics)
     }
 
+    /// The same camera with other intrinsics and its lens model continued past the fold: what an optimiser needs
+    /// between its start and its end, where a cost that jumps would only hide the way.
+    ///
+    /// Takes the parameters unchecked; entries beyond the model's are not read.
+    pub(crate) fn extrapolated(&self, intrinsics: &[f64; MAX_INTRINSICS]) -> Self {
+        Self { intrinsics: *intrinsics, reach: f64::INFINITY, ..*self }
+    }
+
     /// The lens model.
     pub fn lens(&self) -> Lens {
         self.lens

@@ -1,0 +1,1 @@
+//! Verification: simulated calibrations held against what was predicted for them.
