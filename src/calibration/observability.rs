@@ -15,8 +15,9 @@ const LARGEST_DEVIATION: f64 = 0.25;
 /// Below this share of a parameter's information left by the others, it is theirs but for rounding.
 const LEAST_SHARE: f64 = 1e-14;
 
-/// Boards within this angle count as parallel where the focal length is open, rad.
-const PARALLEL: f64 = 0.17;
+/// Boards within this angle count as parallel where the focal length is open, rad: noise alone tilts a frontal board by
+/// many degrees.
+const PARALLEL: f64 = 0.35;
 
 /// `S⁻¹` for the information `S` of the `estimated` intrinsics (per unit of pixel noise).
 ///

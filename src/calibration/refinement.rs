@@ -12,7 +12,7 @@ use crate::spatial::perturb;
 pub struct RefinementSettings {
     /// The loss of a corner's residual. Default: squared.
     pub loss: Loss,
-    /// Most iterations, tried steps included. Default: 200.
+    /// Most iterations, tried steps included. Default: 500.
     pub max_iterations: usize,
     /// Converged when a full Newton step is shorter than this share of the estimate's standard deviation, in every
     /// direction of parameter space. Default: 1e-7.
@@ -21,7 +21,7 @@ pub struct RefinementSettings {
 
 impl Default for RefinementSettings {
     fn default() -> Self {
-        Self { loss: Loss::Squared, max_iterations: 200, tolerance: 1e-7 }
+        Self { loss: Loss::Squared, max_iterations: 500, tolerance: 1e-7 }
     }
 }
 
@@ -34,7 +34,8 @@ pub struct Convergence {
     pub iterations: usize,
     /// Sum of the corners' losses, px².
     pub cost: f64,
-    /// The squared length, px², that the next Newton step would move all the residuals.
+    /// The squared length, px², that a Newton step from here would move all the residuals; infinite where no step
+    /// was ever short enough to ask.
     pub decrement: f64,
 }
 
@@ -53,8 +54,15 @@ const ROUNDING: f64 = 1e-11;
 /// Changes of the cost below this share of it drown in the rounding of its sum.
 const COST_ROUNDING: f64 = 1e-13;
 
-/// Damping below which a step counts as Newton's.
-const NEGLIGIBLE_DAMPING: f64 = 1e-6;
+/// Damping of the first step, as a share of the diagonal.
+const FIRST_DAMPING: f64 = 1e-6;
+
+/// Damping to begin with when a step failed that had hardly any.
+const LEAST_DAMPING: f64 = 1e-12;
+
+/// Factor of the damping after a first failure; the second one multiplies by its square and so on, since from
+/// hardly any to enough it may be ten orders.
+const GROWTH: f64 = 10.0;
 
 /// Damping beyond which there is no hope left.
 const HOPELESS_DAMPING: f64 = 1e12;
@@ -91,19 +99,25 @@ fn refine_sized<const P: usize>(
     let mut step = Step::<P>::new(views);
 
     let mut cost = equations.sum(&measurements, &camera, &poses, settings.loss);
-    let mut λ = 1e-8;
-    let mut growth = 10.0;
+    let mut λ = FIRST_DAMPING;
+    let mut growth = GROWTH;
+    let mut last_decrement = f64::INFINITY;
     let mut convergence = Convergence { converged: false, iterations: 0, cost, decrement: f64::INFINITY };
     while convergence.iterations < settings.max_iterations && λ < HOPELESS_DAMPING && cost.is_finite() {
-        if equations.solve(λ, &mut step) {
-            // The step's length in residuals over their deviation is its length in deviations of the estimate.
-            let negligible = (settings.tolerance * settings.tolerance * cost / excess).max(ROUNDING * ROUNDING);
+        // A step's length in residuals over their deviation is its length in deviations of the estimate.
+        let negligible = (settings.tolerance * settings.tolerance * cost / excess).max(ROUNDING * ROUNDING);
+        let mut solved = equations.solve(λ, &mut step);
+        if solved && step.decrement <= negligible {
+            // Damping shortens steps; only an undamped one that is short says that the end is here.
+            solved = equations.solve(0.0, &mut step);
             convergence.decrement = step.decrement;
-            if step.decrement <= negligible && λ <= NEGLIGIBLE_DAMPING {
+            if solved && step.decrement <= negligible {
                 convergence.converged = true;
                 break;
             }
-            convergence.iterations += 1;
+        }
+        convergence.iterations += 1;
+        if solved {
             let trial = moved(&camera, &step);
             for ((trial, pose), ξ) in trial_poses.iter_mut().zip(&poses).zip(&step.ξ) {
                 *trial = perturb(pose, ξ);
@@ -114,29 +128,33 @@ fn refine_sized<const P: usize>(
                 }
                 _ => f64::INFINITY,
             };
-            let unresolved = step.predicted <= COST_ROUNDING * cost && trial_cost <= cost * (1.0 + COST_ROUNDING);
-            if trial_cost < cost || unresolved {
-                let gain = if unresolved { 1.0 } else { (cost - trial_cost) / step.predicted };
-                // A step that kept its promise may be bolder next time, and near the end Newton's.
-                λ *= if gain > 0.75 {
-                    0.01
-                } else if gain > 0.25 {
-                    0.3
+            let resolved = step.predicted > COST_ROUNDING * cost;
+            if trial_cost < cost || (!resolved && trial_cost <= cost * (1.0 + COST_ROUNDING)) {
+                let gain = if resolved {
+                    (cost - trial_cost) / step.predicted
                 } else {
-                    3.0
+                    // Rounding hides what the step gained; that the next one is shorter must do.
+                    1.0 - step.decrement / last_decrement
                 };
-                growth = 10.0;
+                // A step that kept its promise may be bolder next time, and near the end Newton's.
+                λ = if gain > 0.75 {
+                    0.01 * λ
+                } else if gain > 0.25 {
+                    0.3 * λ
+                } else {
+                    3.0 * λ.max(LEAST_DAMPING)
+                };
+                growth = GROWTH;
+                last_decrement = step.decrement;
                 cost = trial_cost;
                 camera = trial;
                 std::mem::swap(&mut poses, &mut trial_poses);
                 std::mem::swap(&mut equations, &mut trial_equations);
                 continue;
             }
-        } else {
-            convergence.iterations += 1;
         }
-        λ = λ.max(1e-8) * growth;
-        growth *= 2.0;
+        λ = λ.max(LEAST_DAMPING) * growth;
+        growth *= GROWTH;
     }
     convergence.cost = cost;
     let information = equations.information().map(|S| {
