@@ -22,8 +22,8 @@ impl<const N: usize> Factor<N> {
             for k in 0..j {
                 pivot -= factor.L[j][k] * factor.L[j][k];
             }
-            // What is left is rounding of what was there; NaN fails as well.
-            if !(pivot > 1e-15 * diagonal) {
+            // What is left is rounding of what was there.
+            if pivot.is_nan() || pivot <= 1e-15 * diagonal {
                 return None;
             }
             let root = pivot.sqrt();

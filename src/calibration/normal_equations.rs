@@ -123,7 +123,7 @@ impl<const P: usize> NormalEquations<P> {
         if cost.is_finite() { cost } else { f64::INFINITY }
     }
 
-    /// Makes the equations of the fixed intrinsics read δθ_j = 0.
+    /// Makes the equations of the fixed intrinsics read `δθ_j = 0`.
     fn hold_fixed(&mut self) {
         for j in (0..P).filter(|&j| !self.is_estimated[j]) {
             for i in 0..P {
@@ -172,6 +172,7 @@ impl<const P: usize> NormalEquations<P> {
 
     /// Eliminates the views: with `V = L Lᵀ`, `X = W L⁻ᵀ` and `y = −L⁻¹g`, `S = U − Σ X Xᵀ` (upper triangle, returned)
     /// and `rhs = −g_θ − Σ X y`.
+    #[allow(clippy::needless_range_loop, reason = "the indices are the algorithm")]
     fn eliminate(&self, λ: f64, step: &mut Step<P>) -> Option<[[f64; P]; P]> {
         let mut S = self.U;
         for j in 0..P {
@@ -211,6 +212,7 @@ impl<const P: usize> Step<P> {
 
 /// Adds one row of the Jacobians, `a` by the intrinsics and `b` by the pose, with its residual and weight.
 #[inline]
+#[allow(clippy::needless_range_loop, reason = "the indices are the algorithm")]
 fn accumulate<const P: usize>(
     (U, g): (&mut [[f64; P]; P], &mut [f64; P]),
     blocks: &mut ViewBlocks<P>,

@@ -32,12 +32,12 @@ pub(super) fn inverse_information(
     sigma: f64,
 ) -> Result<DMatrix<f64>, CalibrationError> {
     let θ = camera.intrinsics();
-    let unknown = |inverse: &DMatrix<f64>| {
-        estimated.iter().enumerate().any(|(i, &j)| {
+    // Comparisons with NaN are false, so that it is not known.
+    let known = |inverse: &DMatrix<f64>| {
+        estimated.iter().enumerate().all(|(i, &j)| {
             let share = 1.0 / (S[(i, i)] * inverse[(i, i)]);
             let deviation = sigma.max(LEAST_NOISE) * inverse[(i, i)].sqrt();
-            // NaN counts as unknown.
-            !(share > LEAST_SHARE) || (j < 4 && !(deviation < LARGEST_DEVIATION * θ[j % 2]))
+            share > LEAST_SHARE && (j >= 4 || deviation < LARGEST_DEVIATION * θ[j % 2])
         })
     };
     // Scaled to a unit diagonal: pixels and dimensionless coefficients differ by orders.
@@ -48,7 +48,7 @@ pub(super) fn inverse_information(
         DMatrix::from_fn(S.nrows(), S.ncols(), |i, j| inverse[(i, j)] * scale[i] * scale[j])
     });
     match inverse {
-        Some(inverse) if !unknown(&inverse) => Ok(inverse),
+        Some(inverse) if known(&inverse) => Ok(inverse),
         _ => Err(degeneracy(&scaled, estimated, camera, poses)),
     }
 }

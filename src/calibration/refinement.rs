@@ -44,7 +44,7 @@ pub struct Convergence {
 pub(super) struct Refined {
     pub(super) start: Start,
     pub(super) convergence: Convergence,
-    /// `S`, MAX_INTRINSICS² of which the model's upper triangle is set; `None` where a view does not fix its own pose.
+    /// `S`, of which the model's upper triangle is set; `None` where a view does not fix its own pose.
     pub(super) information: Option<[[f64; MAX_INTRINSICS]; MAX_INTRINSICS]>,
 }
 
