@@ -1,10 +1,16 @@
 //! Plans the robot poses that calibrate a camera best, and certifies how far from optimal they can be.
-#![allow(non_snake_case, confusable_idents, mixed_script_confusables, uncommon_codepoints)]
-#![allow(non_ascii_idents)]
+#![allow(non_snake_case, mixed_script_confusables, uncommon_codepoints, confusable_idents)]
 
 pub mod calibration;
 pub mod camera;
+pub mod cli;
+pub mod feasibility;
+pub mod information;
+pub mod plan;
+pub mod problem;
 pub mod robot;
+pub mod selection;
 pub mod spatial;
+pub mod sweep;
 pub mod target;
 pub mod verification;

@@ -1,1 +1,5 @@
-fn main() {}
+//! The command line of calipose; see `calipose --help`.
+
+fn main() -> std::process::ExitCode {
+    calipose::cli::main()
+}

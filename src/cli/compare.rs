@@ -1,0 +1,139 @@
+//! `calipose compare`.
+
+use clap::Args;
+use serde_json::{Value, json};
+
+use super::Overrides;
+use super::failure::Failure;
+use super::screen::{Screen, short, table};
+use crate::plan::{Chooser, Equivalent, Row, compare, equivalent_kmeans, survey};
+use crate::problem::Problem;
+use crate::selection::Method;
+
+#[derive(Debug, Args)]
+pub(super) struct CompareArguments {
+    #[command(flatten)]
+    problem: Overrides,
+    /// Numbers of poses [default: the file's, half as many again, and twice as many]
+    #[arg(long, short = 'k', value_delimiter = ',')]
+    counts: Vec<usize>,
+    /// Seeds for the methods that depend on one; their medians are shown
+    #[arg(long, default_value_t = 5)]
+    seeds: usize,
+    /// Most poses to try for the k-means that equals the plan
+    #[arg(long, default_value_t = 400)]
+    limit: usize,
+}
+
+pub(super) fn run(arguments: &CompareArguments, screen: &mut Screen) -> Result<(), Failure> {
+    if arguments.seeds == 0 || arguments.counts.contains(&0) {
+        return Err(Failure::Usage("--seeds and --counts must be at least 1".into()));
+    }
+    let problem = arguments.problem.problem()?;
+    let k = problem.selection.count;
+    let counts = if arguments.counts.is_empty() { vec![k, k + k.div_ceil(2), 2 * k] } else { arguments.counts.clone() };
+    let bar = screen.progress("sweeping", problem.space.len());
+    let surveyed = survey(&problem, &|swept| bar.inc(swept as u64));
+    bar.finish_and_clear();
+    let survey = surveyed?;
+
+    let chooser = Chooser::new(&problem, &survey);
+    let bar = screen.progress("comparing", Method::ALL.len() * counts.len());
+    let compared =
+        compare(&chooser, &Method::ALL, &counts, problem.selection.seed, arguments.seeds, &mut || bar.inc(1));
+    bar.finish_and_clear();
+    let comparison = compared?;
+
+    let bar = screen.progress("k-means", 2 * counts.len());
+    let mut equivalents = Vec::new();
+    let limit = arguments.limit.min(survey.views.len());
+    for &count in &counts {
+        let best = comparison.rows.iter().find(|row| row.method == Method::Best && row.choice.selected.len() == count);
+        let map_error = best.map_or(f64::INFINITY, |row| row.choice.map_error);
+        for method in [Method::KMeansJoints, Method::KMeansPositions] {
+            let seed = problem.selection.seed;
+            let found = equivalent_kmeans(&chooser, method, map_error, count, limit, seed, arguments.seeds);
+            bar.inc(1);
+            equivalents.push((count, found?));
+        }
+    }
+    bar.finish_and_clear();
+
+    screen.document(&document(&problem, &chooser, &comparison.rows, &equivalents).to_string())?;
+    let rows: Vec<Vec<String>> = comparison.rows.iter().map(|row| text_row(&problem, &chooser, row)).collect();
+    let focal: Vec<String> = principal(&problem).into_iter().map(|(_, name)| format!("sigma {name}")).collect();
+    let header: Vec<&str> = ["method", "poses", "value", "map error [px]"]
+        .into_iter()
+        .chain(focal.iter().map(String::as_str))
+        .chain(["efficiency", "time [ms]"])
+        .collect();
+    let sentences: Vec<String> = equivalents.iter().map(|(count, equivalent)| sentence(*count, equivalent)).collect();
+    screen.text(&format!(
+        "{}: criterion `{}`, {} views; medians over {} seeds.\n\n{}\n\n{}",
+        problem.name,
+        problem.selection.criterion.name(),
+        survey.views.len(),
+        comparison.seeds,
+        table(&header, &rows),
+        sentences.join("\n"),
+    ))
+}
+
+/// Those of fx, fy, cx and cy that are estimated: place in the choice's list, and name.
+fn principal(problem: &Problem) -> Vec<(usize, &'static str)> {
+    problem.estimated_names().into_iter().enumerate().filter(|(i, _)| problem.estimated[*i] < 4).collect()
+}
+
+fn text_row(problem: &Problem, chooser: &Chooser, row: &Row) -> Vec<String> {
+    let sigma = |i: usize| row.choice.sigma.get(i).map_or("-".into(), |&s| short(s));
+    [row.method.name().to_owned(), row.choice.selected.len().to_string()]
+        .into_iter()
+        .chain([short(chooser.natural(row.choice.log_value)), short(row.choice.map_error)])
+        .chain(principal(problem).into_iter().map(|(i, _)| sigma(i)))
+        .chain([format!("{:.4}", row.efficiency), format!("{:.1}", row.time.as_secs_f64() * 1e3)])
+        .collect()
+}
+
+fn sentence(count: usize, equivalent: &Equivalent) -> String {
+    let feature = if equivalent.method == Method::KMeansJoints { "joints" } else { "camera positions" };
+    match equivalent.poses {
+        Some(poses) => format!("k-means on {feature} needs {poses} poses for what this plan does with {count}."),
+        None => format!(
+            "k-means on {feature} does not reach with {} poses what this plan does with {count}.",
+            equivalent.tried
+        ),
+    }
+}
+
+fn document(problem: &Problem, chooser: &Chooser, rows: &[Row], equivalents: &[(usize, Equivalent)]) -> Value {
+    let names = problem.estimated_names();
+    let row = |row: &Row| {
+        let sigma: serde_json::Map<String, Value> =
+            names.iter().zip(&row.choice.sigma).map(|(name, sigma)| ((*name).to_owned(), json!(sigma))).collect();
+        json!({
+            "method": row.method.name(),
+            "count": row.choice.selected.len(),
+            "value": chooser.natural(row.choice.log_value),
+            "map_error_px": row.choice.map_error,
+            "sigma": sigma,
+            "efficiency": row.efficiency,
+            "seconds": row.time.as_secs_f64(),
+        })
+    };
+    let equivalent = |(count, equivalent): &(usize, Equivalent)| {
+        json!({
+            "count": count,
+            "method": equivalent.method.name(),
+            "equivalent_count": equivalent.poses,
+            "tried": equivalent.tried,
+        })
+    };
+    json!({
+        "format": "calipose.comparison",
+        "version": 1,
+        "problem": { "name": problem.name, "sha256": problem.sha256 },
+        "criterion": problem.selection.criterion.name(),
+        "rows": rows.iter().map(row).collect::<Vec<_>>(),
+        "equivalents": equivalents.iter().map(equivalent).collect::<Vec<_>>(),
+    })
+}

@@ -1,0 +1,157 @@
+//! The command line: commands, exit codes, what is printed where.
+//!
+//! Results go to stdout, progress and errors to stderr. Exit codes: 0 done; 1 the command failed; 2 the command line was
+//! wrong; 3 the problem file was refused; 70 a bug in calipose; 130 interrupted.
+
+mod compare;
+mod failure;
+mod plan;
+mod problem;
+mod screen;
+mod sweep;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::{Mutex, PoisonError};
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use failure::Failure;
+use screen::Screen;
+
+use crate::information::Criterion;
+use crate::problem::Problem;
+use crate::selection::Method;
+
+/// Plans the robot poses that calibrate a camera best, with a certificate of how far from optimal they can be.
+#[derive(Debug, Parser)]
+#[command(
+    version,
+    max_term_width = 100,
+    after_help = "Exit codes: 0 done, 1 failed, 2 wrong command line, 3 problem file refused, 70 bug, 130 interrupted."
+)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+    #[command(flatten)]
+    output: OutputArguments,
+}
+
+#[derive(Debug, Clone, Copy, Args)]
+struct OutputArguments {
+    /// Print nothing but errors (and, with --json, the document)
+    #[arg(long, short, global = true)]
+    quiet: bool,
+    /// Print one JSON document on stdout instead of text
+    #[arg(long, global = true)]
+    json: bool,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Make a plan: sweep, select, certify, write
+    Plan(plan::PlanArguments),
+    /// Compare every selection method at several numbers of poses
+    Compare(compare::CompareArguments),
+    /// Count the candidates, at one or several steps
+    Sweep(sweep::SweepArguments),
+    /// Validate a problem file and say what a run would do
+    Check {
+        /// Problem file
+        file: PathBuf,
+    },
+    /// Write a commented starter problem file
+    Init {
+        /// Where to write it
+        #[arg(default_value = "problem.toml")]
+        file: PathBuf,
+    },
+    /// Print the JSON Schema of problem files, for editors
+    Schema,
+}
+
+/// What the command line may say instead of the problem file.
+#[derive(Debug, Args)]
+struct Overrides {
+    /// Problem file
+    file: PathBuf,
+    /// What to optimise [default: the file's]
+    #[arg(long, value_parser = by_name(&Criterion::ALL, Criterion::name))]
+    criterion: Option<Criterion>,
+    /// Seed of everything random [default: the file's]
+    #[arg(long)]
+    seed: Option<u64>,
+}
+
+impl Overrides {
+    fn problem(&self) -> Result<Problem, Failure> {
+        let mut problem = Problem::read(&self.file)?;
+        let selection = &mut problem.selection;
+        selection.criterion = self.criterion.unwrap_or(selection.criterion);
+        selection.seed = self.seed.unwrap_or(selection.seed);
+        Ok(problem)
+    }
+}
+
+/// Parses one of `all` by its name.
+fn by_name<T: Copy + Send + Sync + 'static>(
+    all: &'static [T],
+    name: fn(T) -> &'static str,
+) -> impl clap::builder::TypedValueParser<Value = T> {
+    use clap::builder::TypedValueParser;
+    clap::builder::PossibleValuesParser::new(all.iter().map(|&value| name(value)))
+        .try_map(move |text| all.iter().copied().find(|&value| name(value) == text).ok_or("unknown name"))
+}
+
+/// File format of the candidates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum TableFormat {
+    Csv,
+    Parquet,
+}
+
+/// Held while files are written, so that an interrupt waits for them.
+static WRITING: Mutex<()> = Mutex::new(());
+
+/// Runs the program with the process's arguments.
+pub fn main() -> ExitCode {
+    // An interrupt ends the process between files, never within a group that belongs together.
+    let handler = ctrlc::set_handler(|| {
+        let _writing = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
+        std::process::exit(130);
+    });
+    drop(handler); // without a handler an interrupt still ends the process
+    std::panic::set_hook(Box::new(|panic| {
+        Screen::report_bug(&panic.to_string());
+    }));
+    match std::panic::catch_unwind(|| {
+        let arguments = Arguments::parse();
+        let mut screen = Screen::new(arguments.output.quiet, arguments.output.json);
+        match run(&arguments.command, &mut screen) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(failure) => {
+                Screen::fail(&failure);
+                ExitCode::from(failure.exit_code())
+            }
+        }
+    }) {
+        Ok(code) => code,
+        Err(_) => ExitCode::from(70),
+    }
+}
+
+fn run(command: &Command, screen: &mut Screen) -> Result<(), Failure> {
+    match command {
+        Command::Plan(arguments) => plan::run(arguments, screen),
+        Command::Compare(arguments) => compare::run(arguments, screen),
+        Command::Sweep(arguments) => sweep::run(arguments, screen),
+        Command::Check { file } => problem::check(file, screen),
+        Command::Init { file } => problem::init(file, screen),
+        Command::Schema => problem::schema(screen),
+    }
+}
+
+/// Parser of `--method`.
+fn method() -> impl clap::builder::TypedValueParser<Value = Method> {
+    by_name(&Method::ALL, Method::name)
+}

@@ -1,0 +1,203 @@
+//! `calipose plan`.
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use serde_json::json;
+
+use super::failure::Failure;
+use super::screen::{Screen, grouped, short, table};
+use super::{Overrides, TableFormat, WRITING, method};
+use crate::plan::{
+    Chooser, Plan, PlanError, Survey, candidates_csv, candidates_parquet, compare, survey, write_atomically,
+};
+use crate::problem::Problem;
+use crate::selection::Method;
+
+#[derive(Debug, Args)]
+pub(super) struct PlanArguments {
+    #[command(flatten)]
+    problem: Overrides,
+    /// Number of poses [default: the file's]
+    #[arg(long, short = 'k')]
+    count: Option<usize>,
+    /// How to choose [default: the file's]
+    #[arg(long, value_parser = method())]
+    method: Option<Method>,
+    /// Folder for the plan [default: the file's]
+    #[arg(long, short)]
+    output: Option<PathBuf>,
+    /// Write the candidates too
+    #[arg(long, value_name = "FORMAT")]
+    candidates: Option<TableFormat>,
+}
+
+/// Seeds of the k-means runs that the summary sets beside the plan.
+const BASELINE_SEEDS: usize = 3;
+
+pub(super) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<(), Failure> {
+    let start = Instant::now();
+    let mut problem = arguments.problem.problem()?;
+    let selection = &mut problem.selection;
+    selection.count = arguments.count.unwrap_or(selection.count);
+    if selection.count == 0 {
+        return Err(Failure::Usage("--count is 0; a plan has at least one pose".into()));
+    }
+    selection.method = arguments.method.unwrap_or(selection.method);
+    if let Some(output) = &arguments.output {
+        problem.output.clone_from(output);
+    }
+
+    let bar = screen.progress("sweeping", problem.space.len());
+    let surveyed = survey(&problem, &|swept| bar.inc(swept as u64));
+    bar.finish_and_clear();
+    let survey = surveyed?;
+    let survey_time = start.elapsed();
+
+    let bar = screen.progress("selecting", 1);
+    let chooser = Chooser::new(&problem, &survey);
+    let made = make(&problem, &survey, &chooser);
+    bar.finish_and_clear();
+    let plan = made?;
+    let selection_time = start.elapsed().saturating_sub(survey_time);
+
+    let mut files = vec![("plan.json", plan.to_json().into_bytes()), ("plan.csv", plan.to_csv().map_err(in_memory)?)];
+    match arguments.candidates {
+        Some(TableFormat::Csv) => {
+            files.push(("candidates.csv", candidates_csv(&problem, &survey.views).map_err(in_memory)?));
+        }
+        Some(TableFormat::Parquet) => {
+            files.push(("candidates.parquet", candidates_parquet(&problem, &survey.views).map_err(in_memory)?));
+        }
+        None => {}
+    }
+    let writing = WRITING.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    for (name, bytes) in &files {
+        write_atomically(&problem.output.join(name), bytes)?;
+    }
+    let run = run_document(&problem, survey_time, selection_time, start.elapsed());
+    write_atomically(&problem.output.join("run.json"), run.as_bytes())?;
+    drop(writing);
+
+    screen.document(&plan.to_json())?;
+    let summary = summary(&problem, &survey, &chooser, &plan)?;
+    let names: Vec<&str> = files.iter().map(|(name, _)| *name).chain(["run.json"]).collect();
+    screen.text(&format!(
+        "{summary}\nWritten to {}: {}, in {:.2} s.",
+        problem.output.display(),
+        names.join(", "),
+        start.elapsed().as_secs_f64(),
+    ))
+}
+
+/// Chooses as the problem asks, and certifies.
+fn make(problem: &Problem, survey: &Survey, chooser: &Chooser) -> Result<Plan, PlanError> {
+    let settings = &problem.selection;
+    let (choice, certificate) = if settings.method == Method::Best {
+        chooser.best(settings.count, settings.seed)?
+    } else {
+        let choice = chooser.choose(settings.method, settings.count, settings.seed)?;
+        chooser.require_observable(&choice)?;
+        (choice, chooser.certificate(settings.count)?)
+    };
+    Ok(Plan::new(problem, survey, chooser, &choice, &certificate))
+}
+
+fn in_memory(error: impl std::fmt::Display) -> Failure {
+    Failure::Table(error.to_string())
+}
+
+fn run_document(problem: &Problem, survey: Duration, selection: Duration, total: Duration) -> String {
+    let document = json!({
+        "format": "calipose.run",
+        "version": 1,
+        "calipose": env!("CARGO_PKG_VERSION"),
+        "problem": { "name": problem.name, "sha256": problem.sha256 },
+        "threads": rayon::current_num_threads(),
+        "seconds": {
+            "survey": survey.as_secs_f64(),
+            "selection": selection.as_secs_f64(),
+            "total": total.as_secs_f64(),
+        },
+    });
+    format!("{document:#}\n")
+}
+
+fn summary(problem: &Problem, survey: &Survey, chooser: &Chooser, plan: &Plan) -> Result<String, Failure> {
+    let candidates = &plan.candidates;
+    let mut text = format!(
+        "{}: {} configurations swept, {} axes in the zone ({} of them on its edge), {} see the whole board.\n",
+        plan.problem.name,
+        grouped(candidates.swept),
+        grouped(candidates.axis_inside + candidates.axis_edge),
+        grouped(candidates.axis_edge),
+        grouped(candidates.kept),
+    );
+    let rejected: Vec<String> = candidates
+        .rejected
+        .iter()
+        .filter(|&(_, &count)| count > 0)
+        .map(|(reason, &count)| format!("{} {}", grouped(count), reason.replace('_', " ")))
+        .collect();
+    if !rejected.is_empty() {
+        text += &format!("Rejected: {}.\n", rejected.join(", "));
+    }
+    text += &format!(
+        "\n{} poses by `{}` for criterion `{}`: value {}, bound {}, certified efficiency {:.4}:\nno {} of the {} candidates \
+         can give more than {:.2} % more information.\n\n",
+        plan.count,
+        plan.method,
+        plan.criterion,
+        short(plan.value),
+        short(plan.bound),
+        plan.efficiency,
+        plan.count,
+        grouped(candidates.kept),
+        100.0 * (1.0 / plan.efficiency - 1.0),
+    );
+    let joints = problem.robot.chain.joints.iter().map(|joint| {
+        let unit = if joint.kind == crate::robot::JointKind::Prismatic { "mm" } else { "deg" };
+        format!("{} [{unit}]", joint.name)
+    });
+    let header: Vec<String> = std::iter::once("pose".into())
+        .chain(joints)
+        .chain(["tilt [deg]", "distance [mm]", "share [%]"].map(String::from))
+        .collect();
+    let rows: Vec<Vec<String>> = plan
+        .poses
+        .iter()
+        .map(|pose| {
+            let joints = pose.joints_deg.iter().map(|q| format!("{q:.1}"));
+            std::iter::once(pose.id.to_string())
+                .chain(joints)
+                .chain([
+                    format!("{:.1}", pose.tilt_deg),
+                    format!("{:.0}", 1e3 * pose.distance_m),
+                    format!("{:.1}", 100.0 * pose.share),
+                ])
+                .collect()
+        })
+        .collect();
+    text += &table(&header.iter().map(String::as_str).collect::<Vec<_>>(), &rows);
+
+    let intrinsics = &plan.intrinsics;
+    let rows: Vec<Vec<String>> = (0..intrinsics.names.len())
+        .map(|i| vec![intrinsics.names[i].clone(), short(intrinsics.nominal[i]), short(intrinsics.sigma[i])])
+        .collect();
+    text += &format!("\n\n{}\n", table(&["intrinsic", "nominal", "predicted sigma"], &rows));
+
+    let baselines = [Method::KMeansJoints, Method::KMeansPositions];
+    let comparison = compare(chooser, &baselines, &[plan.count], plan.seed, BASELINE_SEEDS, &mut || {})?;
+    let of = |i: usize| short(comparison.rows[i].choice.map_error);
+    text += &format!(
+        "\nPredicted map error {} px RMS over the image. {} k-means poses of {} views: {} px (clustered on joints), {} px \
+         (on camera positions).",
+        short(plan.map_error_px),
+        plan.count,
+        grouped(survey.views.len()),
+        of(0),
+        of(1),
+    );
+    Ok(text)
+}

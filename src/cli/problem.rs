@@ -1,0 +1,92 @@
+//! `calipose check`, `init` and `schema`.
+
+use std::path::Path;
+
+use serde_json::json;
+
+use super::failure::Failure;
+use super::screen::{Screen, grouped, short};
+use crate::feasibility::visible_views;
+use crate::plan::write_atomically;
+use crate::problem::{Problem, STARTER, schema_json};
+use crate::sweep::{AxisRule, JointSpace};
+
+/// Configurations tried to estimate how many see the board.
+const PILOT: usize = 20_000;
+
+/// Configurations swept per second and core, conservatively; see benches/.
+const SWEEP_RATE: f64 = 5e7;
+
+/// Seconds to test one candidate's view and weigh its information, conservatively.
+const VIEW_TIME: f64 = 1e-5;
+
+pub(super) fn check(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
+    let problem = Problem::read(file)?;
+    let Problem { robot, camera, target, space, visibility, .. } = &problem;
+    let total = space.len();
+    let pilot: Vec<usize> = if total <= PILOT {
+        (0..total).collect()
+    } else {
+        (0..PILOT).map(|i| (i as u128 * total as u128 / PILOT as u128) as usize).collect()
+    };
+    let (views, _) = visible_views(robot, camera, target, visibility, space, &pilot);
+    let share = views.len() as f64 / pilot.len() as f64;
+    let seen = (share * total as f64).round() as usize;
+    let p = problem.estimated.len();
+    let cores = rayon::current_num_threads() as f64;
+    // With the axis test the sweep hands on few; without it every configuration's view is tested.
+    let tested = if problem.axis == AxisRule::Any { total } else { (0.1 * total as f64) as usize };
+    let seconds = (total as f64 / SWEEP_RATE + tested as f64 * VIEW_TIME) / cores + 0.5;
+    let per_view = 8 * (robot.chain.dof() + 20 + p * (p + 1) / 2);
+    let megabytes = ((tested * 8 + 2 * seen * per_view) as f64 / 1e6).ceil() + 30.0;
+    let space_text = match space {
+        JointSpace::Grid(grid) => {
+            let counts: Vec<String> = grid.counts().iter().map(usize::to_string).collect();
+            format!("grid of {} = {} configurations", counts.join(" x "), grouped(total))
+        }
+        JointSpace::Sample(_) => format!("sample of {} configurations", grouped(total)),
+    };
+    let selection = &problem.selection;
+    screen.document(
+        &json!({
+            "format": "calipose.check",
+            "version": 1,
+            "problem": { "name": problem.name, "sha256": problem.sha256 },
+            "configurations": total,
+            "estimated_views": seen,
+            "estimated_seconds": seconds,
+            "estimated_memory_mb": megabytes,
+        })
+        .to_string(),
+    )?;
+    screen.text(&format!(
+        "{}: valid.\n{} joints, {space_text}.\nAbout {} of them see the whole board (from {} tried{}).\n`calipose plan` would \
+         choose {} poses by `{}` for criterion `{}`, estimating {}, and write to {}.\nIt would take about {} s and {} MB on \
+         this machine.",
+        problem.name,
+        robot.chain.dof(),
+        grouped(seen),
+        grouped(pilot.len()),
+        if problem.axis == AxisRule::Zone { "; the axis test leaves fewer" } else { "" },
+        selection.count,
+        selection.method.name(),
+        selection.criterion.name(),
+        problem.estimated_names().join(" "),
+        problem.output.display(),
+        short(seconds),
+        megabytes,
+    ))
+}
+
+pub(super) fn init(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
+    if file.exists() {
+        return Err(Failure::Exists(file.to_owned()));
+    }
+    write_atomically(file, STARTER.as_bytes())?;
+    screen.document(&json!({ "format": "calipose.init", "version": 1, "file": file }).to_string())?;
+    screen.text(&format!("Written {0}. Edit it, then:\n  calipose check {0}\n  calipose plan {0}", file.display()))
+}
+
+pub(super) fn schema(_screen: &mut Screen) -> Result<(), Failure> {
+    Screen::print(&format!("{:#}", schema_json()))
+}

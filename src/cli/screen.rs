@@ -1,0 +1,120 @@
+//! What the user sees: text or JSON on stdout, progress and errors on stderr.
+
+use std::io::Write;
+
+use comfy_table::{CellAlignment, Table, presets};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use miette::{GraphicalReportHandler, GraphicalTheme};
+
+use super::failure::Failure;
+
+pub(super) struct Screen {
+    quiet: bool,
+    json: bool,
+}
+
+impl Screen {
+    pub(super) fn new(quiet: bool, json: bool) -> Self {
+        Self { quiet, json }
+    }
+
+    /// Prints text, unless the user asked for quiet or for JSON.
+    pub(super) fn text(&mut self, text: &str) -> Result<(), Failure> {
+        if self.quiet || self.json {
+            return Ok(());
+        }
+        Self::print(text)
+    }
+
+    /// Prints the document, if the user asked for JSON.
+    pub(super) fn document(&mut self, document: &str) -> Result<(), Failure> {
+        if self.json { Self::print(document.trim_end()) } else { Ok(()) }
+    }
+
+    /// Prints what was asked for whatever the flags.
+    pub(super) fn print(text: &str) -> Result<(), Failure> {
+        match writeln!(std::io::stdout().lock(), "{text}") {
+            // A reader that has seen enough (`calipose … | head`) is no failure.
+            Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+            written => Ok(written?),
+        }
+    }
+
+    /// A progress bar over `length` steps; drawn on stderr only when that is a terminal.
+    pub(super) fn progress(&self, what: &'static str, length: usize) -> ProgressBar {
+        let target = if self.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+        let bar = ProgressBar::with_draw_target(Some(length as u64), target);
+        if let Ok(style) = ProgressStyle::with_template("{msg:>12} {bar:40} {human_pos}/{human_len} {eta}") {
+            bar.set_style(style);
+        }
+        bar.set_message(what);
+        bar
+    }
+
+    pub(super) fn fail(failure: &Failure) {
+        let theme = if std::io::IsTerminal::is_terminal(&std::io::stderr()) && std::env::var_os("NO_COLOR").is_none() {
+            GraphicalTheme::unicode()
+        } else {
+            GraphicalTheme::unicode_nocolor()
+        };
+        let mut text = String::new();
+        if GraphicalReportHandler::new_themed(theme).render_report(&mut text, failure).is_err() {
+            text = failure.to_string();
+        }
+        Self::complain(text.trim_end());
+    }
+
+    pub(super) fn report_bug(what: &str) {
+        Self::complain(&format!(
+            "This is a bug in calipose {}, not your mistake. Please report it with the problem file and this line:\n{what}",
+            env!("CARGO_PKG_VERSION")
+        ));
+    }
+
+    fn complain(text: &str) {
+        // There is nobody left to tell when stderr is closed.
+        let _ = writeln!(std::io::stderr().lock(), "{text}");
+    }
+}
+
+/// A table with a header; the first column to the left, the others to the right.
+pub(super) fn table(header: &[&str], rows: &[Vec<String>]) -> String {
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING).set_header(header);
+    table.add_rows(rows);
+    for (i, column) in table.column_iter_mut().enumerate() {
+        column.set_padding((u16::from(i != 0), 1));
+        column.set_cell_alignment(if i == 0 { CellAlignment::Left } else { CellAlignment::Right });
+    }
+    table.lines().map(|line| line.trim_end().to_owned()).collect::<Vec<_>>().join("\n")
+}
+
+/// A count with thin groups of three digits, as in 502 656.
+pub(super) fn grouped(count: usize) -> String {
+    let digits = count.to_string();
+    let first = digits.len() % 3;
+    let mut text = digits[..first].to_owned();
+    for group in digits.as_bytes()[first..].chunks(3) {
+        if !text.is_empty() {
+            text.push(' ');
+        }
+        text.extend(group.iter().map(|&digit| char::from(digit)));
+    }
+    text
+}
+
+/// A number to four significant digits.
+pub(super) fn short(number: f64) -> String {
+    if !number.is_finite() {
+        return "-".into();
+    }
+    if number == 0.0 {
+        return "0".into();
+    }
+    let magnitude = number.abs().log10().floor() as i32;
+    if (-4..5).contains(&magnitude) {
+        format!("{number:.*}", (3 - magnitude).max(0) as usize)
+    } else {
+        format!("{number:.2e}")
+    }
+}

@@ -1,0 +1,73 @@
+//! `calipose sweep`.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use serde_json::json;
+
+use super::failure::Failure;
+use super::screen::{Screen, grouped, table};
+use crate::feasibility::{Rejection, visible_views};
+use crate::problem::Problem;
+use crate::sweep::sweep;
+
+#[derive(Debug, Args)]
+pub(super) struct SweepArguments {
+    /// Problem file
+    file: PathBuf,
+    /// Steps to sweep with, in degrees (mm for prismatic joints), one for all joints [default: the file's]
+    #[arg(long, short, value_delimiter = ',')]
+    step: Vec<f64>,
+}
+
+pub(super) fn run(arguments: &SweepArguments, screen: &mut Screen) -> Result<(), Failure> {
+    let file = Problem::read(&arguments.file)?;
+    let problems = if arguments.step.is_empty() {
+        vec![(String::from("file"), file)]
+    } else {
+        let with_step = |&step: &f64| {
+            Ok((step.to_string(), file.with_step(step.to_radians()).map_err(|error| Failure::Usage(error.to_string()))?))
+        };
+        arguments.step.iter().map(with_step).collect::<Result<Vec<_>, Failure>>()?
+    };
+    let mut rows = Vec::new();
+    let mut documents = Vec::new();
+    for (step, problem) in &problems {
+        let bar = screen.progress("sweeping", problem.space.len());
+        let start = Instant::now();
+        let found = sweep(&problem.robot, &problem.target, &problem.space, problem.axis, &|n| bar.inc(n as u64));
+        let seconds = start.elapsed().as_secs_f64();
+        bar.finish_and_clear();
+        let Problem { robot, camera, target, space, visibility, .. } = problem;
+        let (views, rejected) = visible_views(robot, camera, target, visibility, space, &found.candidates);
+        let in_zone = found.inside + found.edge;
+        rows.push(
+            [step.clone(), grouped(found.swept), grouped(found.inside), grouped(found.edge), grouped(in_zone)]
+                .into_iter()
+                .chain([grouped(views.len()), format!("{:.1}", seconds * 1e3)])
+                .collect(),
+        );
+        documents.push(json!({
+            "step": step.parse::<f64>().ok(),
+            "swept": found.swept,
+            "axis_inside": found.inside,
+            "axis_edge": found.edge,
+            "axis_outside": found.outside(),
+            "candidates": found.candidates.len(),
+            "kept": views.len(),
+            "rejected": Rejection::ALL.iter().zip(rejected).map(|(r, n)| (r.name(), n)).collect::<std::collections::BTreeMap<_, _>>(),
+            "seconds": seconds,
+        }));
+    }
+    let first = &problems[0].1;
+    let document = json!({
+        "format": "calipose.sweep",
+        "version": 1,
+        "problem": { "name": first.name, "sha256": first.sha256 },
+        "sweeps": documents,
+    });
+    screen.document(&document.to_string())?;
+    let header = ["step", "Q", "inside", "edge", "Q*", "see the board", "time [ms]"];
+    screen.text(&format!("{}\n\n{}", first.name, table(&header, &rows)))
+}

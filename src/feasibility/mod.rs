@@ -1,0 +1,5 @@
+//! Which candidates are worth a picture: those from which the camera really sees the board.
+
+mod visibility;
+
+pub use visibility::{Rejection, View, VisibilityLimits, visible_views};

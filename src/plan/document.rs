@@ -1,0 +1,233 @@
+//! The plan as it is written: `plan.json` and `plan.csv`.
+
+use nalgebra::{DMatrix, Point3};
+use serde::{Deserialize, Serialize};
+
+use super::choice::{Choice, Chooser};
+use super::survey::Survey;
+use crate::feasibility::{Rejection, View};
+use crate::information::packed::unpack;
+use crate::problem::Problem;
+use crate::robot::JointKind;
+use crate::selection::Certificate;
+
+/// Value of the key `format`.
+pub const PLAN_FORMAT: &str = "calipose.plan";
+
+/// Value of the key `version`; rises when a reader of the older version would misread the file.
+pub const PLAN_VERSION: u32 = 1;
+
+/// A calibration plan, key by key as in `plan.json`. SI units, angles in rad unless the key says otherwise.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Plan {
+    /// [`PLAN_FORMAT`].
+    pub format: String,
+    /// [`PLAN_VERSION`].
+    pub version: u32,
+    /// Version of calipose that made the plan.
+    pub calipose: String,
+    /// The problem it answers.
+    pub problem: ProblemReference,
+    /// Name of the criterion.
+    pub criterion: String,
+    /// Name of the method.
+    pub method: String,
+    /// Number of poses, k.
+    pub count: usize,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// The criterion's value: log det M for `d`, the map error's variance in px² for `v`.
+    pub value: f64,
+    /// What no k of the candidates can surpass: an upper bound for `d`, a lower bound for `v`.
+    pub bound: f64,
+    /// Certified efficiency: the share of the best possible information that the plan has at least.
+    pub efficiency: f64,
+    /// Where the poses were chosen from.
+    pub candidates: Candidates,
+    /// Predicted standard deviations.
+    pub intrinsics: Intrinsics,
+    /// Predicted RMS error of the calibrated projection over the image, in px.
+    pub map_error_px: f64,
+    /// The proof of the bound.
+    pub certificate: CertificateDocument,
+    /// Names of the joints, in the order of the poses' joint values.
+    pub joints: Vec<String>,
+    /// The poses, by ascending id.
+    pub poses: Vec<PlannedPose>,
+}
+
+/// The problem file a plan was made from.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ProblemReference {
+    /// Its name.
+    pub name: String,
+    /// SHA-256 of its bytes.
+    pub sha256: String,
+}
+
+/// Counts of the sweep.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Candidates {
+    /// Configurations swept.
+    pub swept: usize,
+    /// Optical axes that fall inside the zone.
+    pub axis_inside: usize,
+    /// Optical axes that fall on the zone's edge.
+    pub axis_edge: usize,
+    /// Configurations that see the whole board: what the poses were chosen from.
+    pub kept: usize,
+    /// Candidates rejected, by reason.
+    pub rejected: std::collections::BTreeMap<String, usize>,
+}
+
+/// The estimated intrinsics; lists of one length.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Intrinsics {
+    /// Names.
+    pub names: Vec<String>,
+    /// Nominal values.
+    pub nominal: Vec<f64>,
+    /// Predicted standard deviations.
+    pub sigma: Vec<f64>,
+}
+
+/// The matrix that proves the bound.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CertificateDocument {
+    /// Y, p×p, positive semidefinite, row by row.
+    pub matrix: Vec<Vec<f64>>,
+}
+
+/// One pose of a plan.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PlannedPose {
+    /// Number of the configuration in the swept joint space.
+    pub id: usize,
+    /// Joint values, rad (m for prismatic joints).
+    pub joints_rad: Vec<f64>,
+    /// Joint values, degrees (mm for prismatic joints).
+    pub joints_deg: Vec<f64>,
+    /// Pose of the camera in the base frame.
+    pub camera_in_base: Pose,
+    /// Where the optical axis meets the target's plane, in the base frame; `null` if it does not.
+    pub target_point_m: Option<[f64; 3]>,
+    /// Angle between the optical axis and the board's normal.
+    pub tilt_deg: f64,
+    /// Distance from the camera to the board's centre.
+    pub distance_m: f64,
+    /// Share of the plan's information; the shares add up to one.
+    pub share: f64,
+}
+
+/// A pose as position and unit quaternion.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Pose {
+    /// Position.
+    pub position_m: [f64; 3],
+    /// Orientation, real part last and not negative.
+    pub quaternion_xyzw: [f64; 4],
+}
+
+impl Pose {
+    /// The pose of a rigid transform.
+    pub fn new(X: &crate::spatial::Pose) -> Self {
+        let q = X.rotation.coords;
+        let q = if q.w < 0.0 { -q } else { q };
+        Self { position_m: X.translation.vector.into(), quaternion_xyzw: q.into() }
+    }
+}
+
+impl Plan {
+    /// The plan of a choice and its certificate.
+    pub fn new(
+        problem: &Problem,
+        survey: &Survey,
+        chooser: &Chooser,
+        choice: &Choice,
+        certificate: &Certificate,
+    ) -> Self {
+        let settings = &problem.selection;
+        let names = problem.estimated_names();
+        let Y: DMatrix<f64> = unpack(&certificate.y, names.len());
+        let shares = chooser.shares(&choice.selected);
+        let poses = choice.selected.iter().zip(shares);
+        Self {
+            format: PLAN_FORMAT.into(),
+            version: PLAN_VERSION,
+            calipose: env!("CARGO_PKG_VERSION").into(),
+            problem: ProblemReference { name: problem.name.clone(), sha256: problem.sha256.clone() },
+            criterion: settings.criterion.name().into(),
+            method: settings.method.name().into(),
+            count: choice.selected.len(),
+            seed: settings.seed,
+            value: chooser.natural(choice.log_value),
+            bound: chooser.natural(certificate.log_bound),
+            efficiency: certificate.efficiency(choice.log_value),
+            candidates: Candidates {
+                swept: survey.sweep.swept,
+                axis_inside: survey.sweep.inside,
+                axis_edge: survey.sweep.edge,
+                kept: survey.views.len(),
+                rejected: Rejection::ALL.iter().map(|r| r.name().into()).zip(survey.rejected).collect(),
+            },
+            intrinsics: Intrinsics {
+                names: names.iter().map(|&name| name.into()).collect(),
+                nominal: problem.estimated.iter().map(|&i| problem.camera.intrinsics()[i]).collect(),
+                sigma: choice.sigma.clone(),
+            },
+            map_error_px: choice.map_error,
+            certificate: CertificateDocument {
+                matrix: Y.row_iter().map(|row| row.iter().copied().collect()).collect(),
+            },
+            joints: problem.robot.chain.joints.iter().map(|joint| joint.name.clone()).collect(),
+            poses: poses.map(|(&i, share)| PlannedPose::new(problem, &survey.views[i], share)).collect(),
+        }
+    }
+
+    /// The bytes of `plan.json`.
+    pub fn to_json(&self) -> String {
+        let mut text = serde_json::to_string_pretty(self).unwrap_or_default();
+        text.push('\n');
+        text
+    }
+
+    /// The bytes of `plan.csv`: one pose a line under a header, joint values in rad (m) under `joint_<name>`.
+    ///
+    /// # Errors
+    /// Never in practice: the writer writes to memory.
+    pub fn to_csv(&self) -> Result<Vec<u8>, csv::Error> {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        let joints = self.joints.iter().map(|name| format!("joint_{name}"));
+        let fixed = ["camera_x_m", "camera_y_m", "camera_z_m", "camera_qx", "camera_qy", "camera_qz", "camera_qw"];
+        let header = joints.chain(fixed.map(String::from)).chain(["tilt_deg", "distance_m", "share"].map(String::from));
+        writer.write_record(std::iter::once(String::from("id")).chain(header))?;
+        for pose in &self.poses {
+            let numbers = pose.joints_rad.iter().chain(&pose.camera_in_base.position_m);
+            let numbers = numbers.chain(&pose.camera_in_base.quaternion_xyzw);
+            let numbers = numbers.chain([&pose.tilt_deg, &pose.distance_m, &pose.share]).map(f64::to_string);
+            writer.write_record(std::iter::once(pose.id.to_string()).chain(numbers))?;
+        }
+        writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))
+    }
+}
+
+impl PlannedPose {
+    fn new(problem: &Problem, view: &View, share: f64) -> Self {
+        let joints = problem.robot.chain.joints.iter().zip(&view.q);
+        Self {
+            id: view.id,
+            joints_rad: view.q.clone(),
+            joints_deg: joints
+                .map(|(joint, &q)| match joint.kind {
+                    JointKind::Revolute => q.to_degrees(),
+                    JointKind::Prismatic => q * 1e3,
+                })
+                .collect(),
+            camera_in_base: Pose::new(&view.X_BC),
+            target_point_m: view.target_point().map(|p: Point3<f64>| p.coords.into()),
+            tilt_deg: view.tilt().to_degrees(),
+            distance_m: view.distance(),
+            share,
+        }
+    }
+}

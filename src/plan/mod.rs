@@ -1,0 +1,17 @@
+//! From a problem to a plan: the pipeline, and the plan as it is written.
+
+mod candidates;
+mod choice;
+mod comparison;
+mod document;
+mod files;
+mod survey;
+
+pub use candidates::{candidates_csv, candidates_parquet};
+pub use choice::{Choice, Chooser, PlanError};
+pub use comparison::{Comparison, Equivalent, Row, compare, equivalent_kmeans};
+pub use document::{
+    Candidates, CertificateDocument, Intrinsics, PLAN_FORMAT, PLAN_VERSION, Plan, PlannedPose, Pose, ProblemReference,
+};
+pub use files::{FileError, write_atomically};
+pub use survey::{Survey, SurveyError, survey};

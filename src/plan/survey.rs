@@ -1,0 +1,85 @@
+//! The survey: all that is known of the candidates before any is chosen.
+
+use nalgebra::DMatrix;
+use thiserror::Error;
+
+use crate::feasibility::{Rejection, View, visible_views};
+use crate::information::{InformationSet, Measurement, map_error_weight};
+use crate::problem::Problem;
+use crate::sweep::{Sweep, sweep};
+
+/// The views of a problem and what each would teach.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Survey {
+    /// What the sweep found.
+    pub sweep: Sweep,
+    /// The candidates that see the board.
+    pub views: Vec<View>,
+    /// Candidates rejected, by the reasons of [`Rejection::ALL`].
+    pub rejected: [usize; Rejection::ALL.len()],
+    /// The views' information on the estimated intrinsics, in the views' order.
+    pub information: InformationSet,
+    /// The p×p weight of the map error.
+    pub map_weight: DMatrix<f64>,
+}
+
+/// Why a problem has no views to choose from.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum SurveyError {
+    /// No optical axis meets the zone.
+    #[error("none of the {swept} configurations points the camera at the target zone")]
+    NoCandidates {
+        /// Configurations swept.
+        swept: usize,
+    },
+    /// No candidate sees the board.
+    #[error("none of the {candidates} candidates sees the whole board; rejected: {}", describe_rejections(rejected))]
+    NoViews {
+        /// Candidates that passed the sweep.
+        candidates: usize,
+        /// How many were rejected for each reason of [`Rejection::ALL`].
+        rejected: [usize; Rejection::ALL.len()],
+    },
+    /// A view's pose is not determined by its own corners.
+    #[error("the board's {columns} x {rows} corners do not determine its pose in the image")]
+    PoseUndetermined {
+        /// Corners along x.
+        columns: usize,
+        /// Corners along y.
+        rows: usize,
+    },
+}
+
+fn describe_rejections(rejected: &[usize]) -> String {
+    let counted: Vec<String> = Rejection::ALL
+        .iter()
+        .zip(rejected)
+        .filter(|&(_, &count)| count > 0)
+        .map(|(reason, count)| format!("{count} {}", reason.name().replace('_', " ")))
+        .collect();
+    counted.join(", ")
+}
+
+/// Sweeps, filters and weighs the candidates of `problem`; `observe` as in [`sweep`].
+///
+/// # Errors
+/// When no candidate is left.
+pub fn survey(problem: &Problem, observe: &(dyn Fn(usize) + Sync)) -> Result<Survey, SurveyError> {
+    let Problem { robot, camera, target, space, .. } = problem;
+    let sweep = sweep(robot, target, space, problem.axis, observe);
+    if sweep.candidates.is_empty() {
+        return Err(SurveyError::NoCandidates { swept: sweep.swept });
+    }
+    let (views, rejected) = visible_views(robot, camera, target, &problem.visibility, space, &sweep.candidates);
+    if views.is_empty() {
+        return Err(SurveyError::NoViews { candidates: sweep.candidates.len(), rejected });
+    }
+    let corners: Vec<_> = target.board.corners().collect();
+    let measurement = Measurement { camera, corners: &corners, noise: problem.noise, estimated: &problem.estimated };
+    let poses: Vec<_> = views.iter().map(|view| view.X_CT).collect();
+    let information = measurement
+        .information_set(&poses)
+        .ok_or(SurveyError::PoseUndetermined { columns: target.board.columns, rows: target.board.rows })?;
+    let map_weight = map_error_weight(camera, &problem.estimated);
+    Ok(Survey { sweep, views, rejected, information, map_weight })
+}

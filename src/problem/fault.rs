@@ -1,0 +1,313 @@
+//! What can be wrong with a problem file.
+
+use std::fmt;
+use std::ops::{Bound, Range, RangeBounds};
+
+use miette::{Diagnostic, LabeledSpan};
+use thiserror::Error;
+
+/// One thing wrong with a problem file, and where.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[error("{}", self.sentence())]
+pub struct Fault {
+    /// The key, from the root: `robot.joints[2].a_mm`. Empty for a syntax error.
+    pub key: String,
+    /// Line in the file, from 1.
+    pub line: usize,
+    /// Column in the line, in characters from 1.
+    pub column: usize,
+    /// Bytes of the file to point at.
+    pub span: Range<usize>,
+    /// What is wrong.
+    pub reason: Reason,
+    /// What the key means, where known.
+    pub meaning: Option<String>,
+}
+
+/// What is wrong with a key or its value. Values are in the file's units.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Reason {
+    /// The text is not TOML, or not what belongs here.
+    Syntax {
+        /// What the parser says.
+        message: String,
+    },
+    /// There is no such key.
+    UnknownKey {
+        /// The keys of the section.
+        allowed: Vec<String>,
+    },
+    /// There is no such name.
+    UnknownName {
+        /// The name found.
+        name: String,
+        /// The names that exist.
+        allowed: Vec<String>,
+    },
+    /// A required key is left out.
+    Missing {
+        /// The values to choose from; empty where they cannot be listed.
+        allowed: Vec<String>,
+    },
+    /// The value has the wrong type.
+    Type {
+        /// What is there.
+        found: String,
+        /// What should be.
+        expected: String,
+    },
+    /// The number is not allowed.
+    OutOfRange {
+        /// The number.
+        value: f64,
+        /// The numbers that are.
+        allowed: Allowed,
+    },
+    /// A range ends before it begins.
+    Reversed {
+        /// Its first number.
+        min: f64,
+        /// Its second.
+        max: f64,
+    },
+    /// The board does not fit its zone.
+    BoardBeyondZone {
+        /// Side of the zone in mm.
+        zone: f64,
+        /// Side of the printed board in mm.
+        board: f64,
+    },
+    /// A list has the wrong number of entries.
+    Length {
+        /// Entries found.
+        found: usize,
+        /// Entries needed.
+        expected: usize,
+        /// What each entry is for.
+        per: &'static str,
+    },
+    /// A text or list that must not be is empty.
+    Empty,
+    /// An entry occurs twice.
+    Duplicate {
+        /// The entry.
+        name: String,
+    },
+    /// The key has no meaning here.
+    NotApplicable {
+        /// What the key does not apply to.
+        to: String,
+        /// What to write instead.
+        instead: String,
+    },
+    /// Two keys exclude each other.
+    Conflict {
+        /// The other key.
+        with: &'static str,
+    },
+    /// A quaternion is not a rotation.
+    NotUnit {
+        /// Its norm.
+        norm: f64,
+    },
+    /// The lens model is not one-to-one within the image.
+    FoldsBack {
+        /// A pixel that no direction is projected to.
+        pixel: [f64; 2],
+    },
+    /// The sweep has more configurations than a computer can hold.
+    TooManyConfigurations {
+        /// How many; saturating.
+        configurations: usize,
+        /// How many are allowed.
+        most: usize,
+    },
+    /// The sample has no dimensions for so many joints.
+    TooManyJoints {
+        /// How many joints there are.
+        joints: usize,
+        /// How many are allowed.
+        most: usize,
+    },
+}
+
+/// An interval of numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Allowed {
+    /// Lower end.
+    pub min: Bound<f64>,
+    /// Upper end.
+    pub max: Bound<f64>,
+}
+
+impl Allowed {
+    /// From `min` to `max`, both included.
+    pub(super) const fn between(min: f64, max: f64) -> Self {
+        Self { min: Bound::Included(min), max: Bound::Included(max) }
+    }
+
+    /// Greater than 0, at most `max`.
+    pub(super) const fn positive(max: f64) -> Self {
+        Self { min: Bound::Excluded(0.0), max: Bound::Included(max) }
+    }
+
+    /// Whether `value` is in the interval; NaN never is.
+    pub fn contains(&self, value: f64) -> bool {
+        (self.min, self.max).contains(&value)
+    }
+}
+
+impl fmt::Display for Allowed {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match (self.min, self.max) {
+            (Bound::Included(min), Bound::Included(max)) => write!(f, "from {} to {}", Number(min), Number(max)),
+            (min, max) => {
+                match min {
+                    Bound::Included(min) => write!(f, "at least {}", Number(min))?,
+                    Bound::Excluded(min) => write!(f, "greater than {}", Number(min))?,
+                    Bound::Unbounded => {}
+                }
+                f.write_str(if min == Bound::Unbounded || max == Bound::Unbounded { "" } else { " and " })?;
+                match max {
+                    Bound::Included(max) => write!(f, "at most {}", Number(max)),
+                    Bound::Excluded(max) => write!(f, "less than {}", Number(max)),
+                    Bound::Unbounded => Ok(()),
+                }
+            }
+        }
+    }
+}
+
+/// A number as one would write it: very large and very small ones with an exponent.
+struct Number(f64);
+
+impl fmt::Display for Number {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let size = self.0.abs();
+        if size >= 1e7 || (size > 0.0 && size < 1e-4) { write!(f, "{:e}", self.0) } else { write!(f, "{}", self.0) }
+    }
+}
+
+impl Fault {
+    fn sentence(&self) -> String {
+        let key = &self.key;
+        match &self.reason {
+            Reason::Syntax { message } if key.is_empty() => format!("this is not TOML: {message}"),
+            Reason::Syntax { message } => format!("`{key}` cannot be read: {message}"),
+            Reason::UnknownKey { .. } => format!("there is no key `{key}`"),
+            Reason::UnknownName { name, .. } => format!("`{key}` is \"{name}\", which does not exist"),
+            Reason::Missing { .. } => format!("`{key}` is missing"),
+            Reason::Type { found, .. } => format!("`{key}` is {found}"),
+            Reason::OutOfRange { value, .. } => format!("`{key}` is {}", Number(*value)),
+            Reason::Reversed { min, max } => format!("`{key}` runs from {} down to {}", Number(*min), Number(*max)),
+            Reason::BoardBeyondZone { zone, .. } => {
+                format!("`{key}` is {}, less than the board's own side", Number(*zone))
+            }
+            Reason::Length { found, .. } => format!("`{key}` has {found} entries"),
+            Reason::Empty => format!("`{key}` is empty"),
+            Reason::Duplicate { name } => format!("`{key}` is \"{name}\", which occurs before"),
+            Reason::NotApplicable { to, .. } => format!("`{key}` does not apply to {to}"),
+            Reason::Conflict { with } => format!("`{key}` and `{with}` exclude each other"),
+            Reason::NotUnit { norm } => format!("`{key}` has norm {}", Number(*norm)),
+            Reason::FoldsBack { .. } => format!("`{key}` folds back within the image"),
+            Reason::TooManyConfigurations { configurations, .. } => {
+                format!("`{key}` makes {:.1e} configurations", *configurations as f64)
+            }
+            Reason::TooManyJoints { joints, .. } => format!("`{key}` cannot serve {joints} joints"),
+        }
+    }
+
+    /// What is allowed, to stand under the value.
+    fn label(&self) -> String {
+        match &self.reason {
+            Reason::Syntax { .. } => "here".into(),
+            Reason::UnknownKey { .. } => "unknown key".into(),
+            Reason::UnknownName { .. } => "unknown name".into(),
+            Reason::Missing { .. } => "to be added here".into(),
+            Reason::Type { expected, .. } => format!("must be {expected}"),
+            Reason::OutOfRange { allowed, .. } => format!("must be {allowed}"),
+            Reason::Reversed { .. } => "must be [min, max]".into(),
+            Reason::BoardBeyondZone { board, .. } => format!("must be at least {}", Number(*board)),
+            Reason::Length { expected, per, .. } => format!("must have {expected}, one for each {per}"),
+            Reason::Empty => "must not be empty".into(),
+            Reason::Duplicate { .. } => "must occur only once".into(),
+            Reason::NotApplicable { .. } => "has no meaning here".into(),
+            Reason::Conflict { .. } => "only one may be given".into(),
+            Reason::NotUnit { .. } => "must have norm 1".into(),
+            Reason::FoldsBack { pixel: [u, v] } => {
+                format!("no direction is seen at pixel ({}, {})", Number(*u), Number(*v))
+            }
+            Reason::TooManyConfigurations { most, .. } => format!("must make at most {}", Number(*most as f64)),
+            Reason::TooManyJoints { most, .. } => format!("serves at most {most}"),
+        }
+    }
+
+    fn hint(&self) -> Option<String> {
+        let last_key = self.key.rsplit('.').next().unwrap_or_default();
+        let hint = match &self.reason {
+            Reason::UnknownKey { allowed } => suggestion(last_key, allowed, "keys here"),
+            Reason::UnknownName { name, allowed } => suggestion(name, allowed, "allowed"),
+            Reason::Missing { allowed } if !allowed.is_empty() => format!("choose one of {}", quoted(allowed)),
+            Reason::NotApplicable { instead, .. } => instead.clone(),
+            Reason::BoardBeyondZone { .. } => {
+                "the printed board is one square larger each way than its inner corners; take a larger zone, smaller \
+                 squares or fewer corners"
+                    .into()
+            }
+            Reason::FoldsBack { .. } => {
+                "check the signs and the order of the coefficients; the model must be one-to-one at least as far as \
+                 the middle of each image border"
+                    .into()
+            }
+            Reason::TooManyConfigurations { .. } => "take a larger step, narrower joint limits, or a sample of them \
+                                                     (`sample = 200000`); `axis = \"zone\"` holds only the \
+                                                     configurations that point at the zone"
+                .into(),
+            Reason::TooManyJoints { .. } => "give a grid with `step_deg` or `step_mm` instead".into(),
+            _ => return self.meaning.clone(),
+        };
+        Some(hint)
+    }
+}
+
+impl Diagnostic for Fault {
+    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        self.hint().map(|hint| Box::new(hint) as Box<dyn fmt::Display>)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        Some(Box::new(std::iter::once(LabeledSpan::new_with_span(Some(self.label()), self.span.clone()))))
+    }
+}
+
+/// "did you mean" the most similar name, or all there are.
+fn suggestion(found: &str, allowed: &[String], list: &str) -> String {
+    const SIMILAR: f64 = 0.8;
+    let similarity = |name: &String| strsim::jaro_winkler(found, name);
+    match allowed.iter().max_by(|a, b| similarity(a).total_cmp(&similarity(b))) {
+        Some(name) if similarity(name) > SIMILAR => format!("did you mean `{name}`? {list}: {}", quoted(allowed)),
+        Some(_) => format!("{list}: {}", quoted(allowed)),
+        None => "there is nothing to choose from".into(),
+    }
+}
+
+fn quoted(names: &[String]) -> String {
+    names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn intervals_hold_their_ends_and_no_nan() {
+        let unit = Allowed::between(0.0, 1.0);
+        assert!(unit.contains(0.0) && unit.contains(1.0));
+        assert!(!unit.contains(-f64::MIN_POSITIVE) && !unit.contains(1.0f64.next_up()) && !unit.contains(f64::NAN));
+        assert!(!Allowed::positive(1.0).contains(0.0) && Allowed::positive(1.0).contains(f64::MIN_POSITIVE));
+        assert_eq!(unit.to_string(), "from 0 to 1");
+        assert_eq!(Allowed::positive(1e9).to_string(), "greater than 0 and at most 1e9");
+        let open = Allowed { min: Bound::Included(2.5), max: Bound::Unbounded };
+        assert_eq!(open.to_string(), "at least 2.5");
+    }
+}

@@ -1,0 +1,129 @@
+//! The problem: models and settings, as a problem file states them.
+//!
+//! A problem file is TOML. [`schema_json`] describes its keys, [`STARTER`] is one to start from, [`Problem::read`] checks
+//! one and builds the models. Everything wrong with a file is a [`Fault`] with its line, column and key.
+
+mod document;
+mod error;
+mod fault;
+mod json_schema;
+mod named;
+mod resolve;
+mod schema;
+mod shape;
+mod step;
+mod syntax;
+
+pub use error::ProblemError;
+pub use fault::{Allowed, Fault, Reason};
+pub use json_schema::schema_json;
+pub use step::StepError;
+
+use std::path::{Path, PathBuf};
+
+use miette::NamedSource;
+use sha2::{Digest, Sha256};
+
+use crate::camera::Camera;
+use crate::feasibility::VisibilityLimits;
+use crate::information::Criterion;
+use crate::robot::Robot;
+use crate::selection::Method;
+use crate::sweep::{AxisRule, JointSpace};
+use crate::target::Target;
+
+/// A commented problem file to start from.
+pub const STARTER: &str = include_str!("starter.toml");
+
+/// A checked problem, in metres, radians and pixels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Problem {
+    /// Name of the problem.
+    pub name: String,
+    /// SHA-256 of the problem file's bytes, in lower-case hexadecimal.
+    pub sha256: String,
+    /// The arm and the camera's mount.
+    pub robot: Robot,
+    /// The nominal camera.
+    pub camera: Camera,
+    /// The board and its zone.
+    pub target: Target,
+    /// The joint configurations to sweep.
+    pub space: JointSpace,
+    /// The axis test.
+    pub axis: AxisRule,
+    /// What a view must satisfy.
+    pub visibility: VisibilityLimits,
+    /// Standard deviation of a detected corner in px, in each direction.
+    pub noise: f64,
+    /// The intrinsics to estimate: indices into the camera's, ascending.
+    pub estimated: Vec<usize>,
+    /// What to select.
+    pub selection: SelectionSettings,
+    /// Folder for the plan, relative to the working directory.
+    pub output: PathBuf,
+}
+
+/// What to select, and how.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SelectionSettings {
+    /// What to optimise.
+    pub criterion: Criterion,
+    /// How.
+    pub method: Method,
+    /// Number of poses.
+    pub count: usize,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// Relative gap at which the relaxation stops.
+    pub tolerance: f64,
+}
+
+/// Most configurations that a sweep may have. One that keeps all of them as candidates holds them all in memory; one
+/// that keeps those that point at the zone only takes time.
+fn most_configurations(rule: AxisRule) -> usize {
+    match rule {
+        AxisRule::Any => 100_000_000,
+        AxisRule::Zone => 10_000_000_000,
+    }
+}
+
+impl Problem {
+    /// Names of the estimated intrinsics.
+    pub fn estimated_names(&self) -> Vec<&'static str> {
+        let names = self.camera.lens().parameter_names();
+        self.estimated.iter().map(|&i| names[i]).collect()
+    }
+
+    /// The problem that the file at `path` states.
+    ///
+    /// # Errors
+    /// When the file cannot be read or says something impossible.
+    pub fn read(path: &Path) -> Result<Self, ProblemError> {
+        let bytes = std::fs::read(path).map_err(|source| ProblemError::Read { path: path.into(), source })?;
+        let text = String::from_utf8(bytes).map_err(|error| {
+            let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+            let line = String::from_utf8_lossy(valid).matches('\n').count() + 1;
+            ProblemError::Encoding { path: path.into(), line }
+        })?;
+        Self::parse(&text, path)
+    }
+
+    /// The problem that `text` states; `path` is its name in messages and, without the extension, the name of a
+    /// problem that gives none.
+    ///
+    /// # Errors
+    /// When the text says something impossible.
+    pub fn parse(text: &str, path: &Path) -> Result<Self, ProblemError> {
+        let stem = path.file_stem().map(std::ffi::OsStr::to_string_lossy).unwrap_or_default();
+        let sha256 = Sha256::digest(text).iter().fold(String::new(), |hex, byte| format!("{hex}{byte:02x}"));
+        let problem = match syntax::read(text) {
+            Ok((document, file)) => resolve::resolve(&document, &file, &stem, sha256),
+            Err(fault) => Err(vec![*fault]),
+        };
+        problem.map_err(|faults| ProblemError::Invalid {
+            file: NamedSource::new(path.to_string_lossy(), text.to_owned()),
+            faults,
+        })
+    }
+}

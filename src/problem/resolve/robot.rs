@@ -1,0 +1,152 @@
+//! The arm and the camera's mount.
+
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
+
+use super::{ANGLE, Check, LENGTH};
+use crate::problem::document::KeyPath;
+use crate::problem::fault::{Allowed, Reason};
+use crate::problem::named::{MountName, Named};
+use crate::problem::schema;
+use crate::problem::shape::{Numbers, Range, RangeOrSets, TextOrTable};
+use crate::robot::dh::{self, Row};
+use crate::robot::{JointKind, Limits, Robot};
+use crate::spatial::Pose;
+
+impl Check<'_, '_> {
+    /// The robot, or none if its limits cannot be swept.
+    pub(super) fn robot(
+        &mut self,
+        robot: &schema::Robot,
+        mount: &TextOrTable<Named<MountName>, schema::Pose>,
+    ) -> Option<Robot> {
+        let faults = self.faults.len();
+        let at = KeyPath::section("robot");
+        if robot.joints.is_empty() {
+            self.fault(&at.key("joints"), Reason::Empty);
+        }
+        let mut rows: Vec<Row> = Vec::with_capacity(robot.joints.len());
+        for (i, joint) in robot.joints.iter().enumerate() {
+            let at = at.key("joints").at(i);
+            if joint.name.trim().is_empty() {
+                self.fault(&at.key("name"), Reason::Empty);
+            } else if rows.iter().any(|row| row.name == joint.name) {
+                self.fault(&at.key("name"), Reason::Duplicate { name: joint.name.clone() });
+            }
+            rows.push(self.row(&at, joint, robot.limits.as_deref()));
+        }
+        let in_sets = |limits: &Option<RangeOrSets>| matches!(limits, Some(RangeOrSets::Sets(_)));
+        if robot.limits.is_some()
+            && !robot.joints.iter().any(|joint| in_sets(&joint.limits_deg) || in_sets(&joint.limits_mm))
+        {
+            let to = "joints that give one range each".to_owned();
+            self.fault(&at.key("limits"), Reason::NotApplicable { to, instead: "leave it out".into() });
+        }
+        let X_nF = robot.flange.as_ref().map_or_else(Pose::identity, |flange| self.pose(&at.key("flange"), flange));
+        let X_FC = self.mount(mount);
+        let chain = dh::chain(&rows, robot.convention.0, X_nF);
+        (self.faults.len() == faults).then_some(Robot { chain, X_FC })
+    }
+
+    fn row(&mut self, at: &KeyPath, joint: &schema::Joint, set: Option<&str>) -> Row {
+        let speed = Allowed::positive(1e6);
+        let (limits, max_speed) = match joint.kind.0 {
+            JointKind::Revolute => {
+                self.not_applicable(at, "limits_mm", joint.limits_mm.is_some(), "a revolute joint", "limits_deg");
+                let speed_mm = joint.max_speed_mm_s.is_some();
+                self.not_applicable(at, "max_speed_mm_s", speed_mm, "a revolute joint", "max_speed_deg_s");
+                let Numbers([min, max]) = self.limits(&at.key("limits_deg"), joint.limits_deg.as_ref(), set, ANGLE);
+                let speed_at = at.key("max_speed_deg_s");
+                (
+                    Limits { min: min.to_radians(), max: max.to_radians() },
+                    joint.max_speed_deg_s.map(|v| self.angle(&speed_at, v, speed)),
+                )
+            }
+            JointKind::Prismatic => {
+                self.not_applicable(at, "limits_deg", joint.limits_deg.is_some(), "a prismatic joint", "limits_mm");
+                let speed_deg = joint.max_speed_deg_s.is_some();
+                self.not_applicable(at, "max_speed_deg_s", speed_deg, "a prismatic joint", "max_speed_mm_s");
+                let Numbers([min, max]) = self.limits(&at.key("limits_mm"), joint.limits_mm.as_ref(), set, LENGTH);
+                let speed_at = at.key("max_speed_mm_s");
+                (
+                    Limits { min: min / 1e3, max: max / 1e3 },
+                    joint.max_speed_mm_s.map(|v| self.length(&speed_at, v, speed)),
+                )
+            }
+        };
+        Row {
+            name: joint.name.clone(),
+            kind: joint.kind.0,
+            a: self.length(&at.key("a_mm"), joint.a_mm, LENGTH),
+            alpha: self.angle(&at.key("alpha_deg"), joint.alpha_deg, ANGLE),
+            d: self.length(&at.key("d_mm"), joint.d_mm, LENGTH),
+            theta: self.angle(&at.key("theta_deg"), joint.theta_deg, ANGLE),
+            limits,
+            max_speed,
+        }
+    }
+
+    fn not_applicable(&mut self, at: &KeyPath, key: &str, given: bool, to: &str, instead: &str) {
+        if given {
+            let reason = Reason::NotApplicable { to: to.into(), instead: format!("use `{instead}`") };
+            self.fault(&at.key(key), reason);
+        }
+    }
+
+    /// The range to use, in the file's unit.
+    fn limits(&mut self, path: &KeyPath, limits: Option<&RangeOrSets>, set: Option<&str>, allowed: Allowed) -> Range {
+        const NONE: Range = Numbers([0.0, 0.0]);
+        match limits {
+            None => {
+                self.fault(path, Reason::Missing { allowed: Vec::new() });
+                NONE
+            }
+            Some(&RangeOrSets::Range(range)) => self.range(path, range, allowed),
+            Some(RangeOrSets::Sets(sets)) => {
+                // The sets that are not used must be right too: another run may select them.
+                for (name, &range) in sets {
+                    self.range(&path.key(name), range, allowed);
+                }
+                let selector = KeyPath::section("robot").key("limits");
+                let names: Vec<String> = sets.keys().cloned().collect();
+                let reason = match set {
+                    None => Reason::Missing { allowed: names },
+                    Some(name) => match sets.get(name) {
+                        Some(&range) => return range,
+                        None => Reason::UnknownName { name: name.into(), allowed: names },
+                    },
+                };
+                // Every joint would say the same.
+                if !self.faults.iter().any(|fault| fault.key == selector.to_string()) {
+                    self.fault(&selector, reason);
+                }
+                NONE
+            }
+        }
+    }
+
+    fn range(&mut self, path: &KeyPath, range: Range, allowed: Allowed) -> Range {
+        let Numbers([min, max]) = range;
+        self.number(&path.at(0), min, allowed);
+        self.number(&path.at(1), max, allowed);
+        if min > max {
+            self.fault(path, Reason::Reversed { min, max });
+        }
+        range
+    }
+
+    fn mount(&mut self, mount: &TextOrTable<Named<MountName>, schema::Pose>) -> Pose {
+        match mount {
+            TextOrTable::Text(Named(MountName::OpticalAxisZ)) => Pose::identity(),
+            TextOrTable::Text(Named(MountName::OpticalAxisX)) => {
+                // Columns are x_C, y_C, z_C in F.
+                let R_FC = Rotation3::from_matrix_unchecked(Matrix3::new(
+                    0.0, 0.0, 1.0, //
+                    0.0, -1.0, 0.0, //
+                    1.0, 0.0, 0.0,
+                ));
+                Pose::from_parts([0.0; 3].into(), UnitQuaternion::from_rotation_matrix(&R_FC))
+            }
+            TextOrTable::Table(pose) => self.pose(&KeyPath::section("camera").key("mount"), pose),
+        }
+    }
+}

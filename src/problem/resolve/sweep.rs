@@ -1,0 +1,96 @@
+//! The joint configurations to sweep.
+
+use super::Check;
+use crate::problem::document::KeyPath;
+use crate::problem::fault::{Allowed, Reason};
+use crate::problem::shape::NumberOrList;
+use crate::problem::{most_configurations, schema};
+use crate::robot::{Joint, JointKind, Limits};
+use crate::sweep::{HaltonSample, JointGrid, JointSpace};
+
+/// Steps in degrees and mm. The least is far below any encoder's and keeps the counts within range.
+const STEP: Allowed = Allowed::between(1e-3, 1e4);
+/// Size of the sample where the file gives neither grid nor sample.
+const DEFAULT_SAMPLE: u64 = 200_000;
+
+impl Check<'_, '_> {
+    /// The configurations, or none if something is wrong with them.
+    pub(super) fn space(&mut self, sweep: &schema::Sweep, joints: &[Joint]) -> Option<JointSpace> {
+        let faults = self.faults.len();
+        let at = KeyPath::section("sweep");
+        let limits: Vec<Limits> = joints.iter().map(|joint| joint.limits).collect();
+        let (path, space) = if sweep.step_deg.is_none() && sweep.step_mm.is_none() {
+            let path = at.key("sample");
+            let len = sweep.sample.unwrap_or(DEFAULT_SAMPLE);
+            if len == 0 {
+                self.number(&path, 0.0, Allowed::between(1.0, most_configurations(sweep.axis.0) as f64));
+            }
+            if joints.len() > HaltonSample::MOST_JOINTS {
+                let reason = Reason::TooManyJoints { joints: joints.len(), most: HaltonSample::MOST_JOINTS };
+                self.fault(&path, reason);
+                return None;
+            }
+            (path, JointSpace::Sample(HaltonSample::new(&limits, len as usize)))
+        } else {
+            if sweep.sample.is_some() {
+                let with = if sweep.step_deg.is_some() { "step_deg" } else { "step_mm" };
+                self.fault(&at.key("sample"), Reason::Conflict { with });
+            }
+            let mut steps = vec![1.0; joints.len()];
+            self.steps(&at.key("step_deg"), sweep.step_deg.as_ref(), joints, JointKind::Revolute, &mut steps);
+            self.steps(&at.key("step_mm"), sweep.step_mm.as_ref(), joints, JointKind::Prismatic, &mut steps);
+            if self.faults.len() > faults {
+                return None;
+            }
+            let path = at.key(if sweep.step_deg.is_some() { "step_deg" } else { "step_mm" });
+            (path, JointSpace::Grid(JointGrid::new(&limits, &steps)))
+        };
+        let most = most_configurations(sweep.axis.0);
+        if space.len() > most {
+            self.fault(&path, Reason::TooManyConfigurations { configurations: space.len(), most });
+        }
+        (self.faults.len() == faults).then_some(space)
+    }
+
+    /// Fills in the steps (rad or m) of the joints of one kind.
+    fn steps(
+        &mut self,
+        path: &KeyPath,
+        given: Option<&NumberOrList>,
+        joints: &[Joint],
+        kind: JointKind,
+        steps: &mut [f64],
+    ) {
+        let mut of_kind: Vec<&mut f64> =
+            joints.iter().zip(steps).filter(|(joint, _)| joint.kind == kind).map(|(_, step)| step).collect();
+        let (joint, per) = match kind {
+            JointKind::Revolute => ("a robot without revolute joints", "revolute joint"),
+            JointKind::Prismatic => ("a robot without prismatic joints", "prismatic joint"),
+        };
+        let si = |check: &mut Self, path: &KeyPath, step| match kind {
+            JointKind::Revolute => check.angle(path, step, STEP),
+            JointKind::Prismatic => check.length(path, step, STEP),
+        };
+        match given {
+            None if of_kind.is_empty() => {}
+            None => self.fault(path, Reason::Missing { allowed: Vec::new() }),
+            Some(_) if of_kind.is_empty() => {
+                self.fault(path, Reason::NotApplicable { to: joint.into(), instead: "leave it out".into() });
+            }
+            Some(&NumberOrList::Number(step)) => {
+                let step = si(self, path, step);
+                for slot in of_kind {
+                    *slot = step;
+                }
+            }
+            Some(NumberOrList::List(list)) => {
+                if list.len() != of_kind.len() {
+                    self.fault(path, Reason::Length { found: list.len(), expected: of_kind.len(), per });
+                }
+                for (i, (slot, &step)) in of_kind.iter_mut().zip(list).enumerate() {
+                    **slot = si(self, &path.at(i), step);
+                }
+            }
+        }
+    }
+}

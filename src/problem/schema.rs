@@ -1,0 +1,320 @@
+//! The problem file as written: one struct per section, one field per key, units in the names.
+//!
+//! The doc comments are the descriptions of the JSON Schema and the hints of error messages.
+#![expect(clippy::struct_field_names, reason = "the units are part of the keys")]
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::named::{MountName, Named};
+use super::shape::{NumberOrList, Numbers, RangeOrSets, TextOrTable};
+use crate::camera::Lens;
+use crate::information::Criterion;
+use crate::robot::JointKind;
+use crate::robot::dh::Convention;
+use crate::selection::Method;
+use crate::sweep::AxisRule;
+
+/// A calibration planning problem.
+#[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "calipose problem")]
+pub(super) struct File {
+    /// Name of the problem; the file's name without its extension when left out.
+    pub(super) name: Option<String>,
+    /// The arm.
+    pub(super) robot: Robot,
+    /// The camera: its mount on the flange and its nominal calibration.
+    pub(super) camera: Camera,
+    /// The checkerboard and its place in the robot's base frame.
+    pub(super) target: Target,
+    /// The joint configurations to try.
+    #[serde(default)]
+    pub(super) sweep: Sweep,
+    /// What a view must satisfy.
+    #[serde(default)]
+    pub(super) visibility: Visibility,
+    /// How well corners are detected.
+    #[serde(default)]
+    pub(super) noise: Noise,
+    /// What the calibration estimates.
+    #[serde(default)]
+    pub(super) estimate: Estimate,
+    /// Which poses to choose, and how.
+    #[serde(default)]
+    pub(super) selection: Selection,
+    /// Where the plan goes.
+    #[serde(default)]
+    pub(super) output: Output,
+}
+
+/// The arm: a Denavit–Hartenberg table, base first.
+#[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Robot {
+    /// Order of a row's factors: "standard" is Rz(theta) Tz(d) Tx(a) Rx(alpha), "modified" (Craig) is Rx(alpha) Tx(a)
+    /// Rz(theta) Tz(d).
+    #[serde(default = "standard")]
+    pub(super) convention: Named<Convention>,
+    /// Which set of joint limits to use, for joints that give several.
+    pub(super) limits: Option<String>,
+    /// Pose of the flange in the frame of the last row; the same frame when left out.
+    pub(super) flange: Option<Pose>,
+    /// The rows of the table, one per joint.
+    pub(super) joints: Vec<Joint>,
+}
+
+/// One row of the table.
+#[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Joint {
+    /// Name of the joint, as the robot's driver knows it.
+    pub(super) name: String,
+    /// How the joint moves: its value is added to theta (revolute) or d (prismatic).
+    #[serde(default = "revolute")]
+    pub(super) kind: Named<JointKind>,
+    /// Link length along x, in mm.
+    #[serde(default)]
+    pub(super) a_mm: f64,
+    /// Link twist about x, in degrees.
+    #[serde(default)]
+    pub(super) alpha_deg: f64,
+    /// Link offset along z, in mm; a prismatic joint's value is added to it.
+    #[serde(default)]
+    pub(super) d_mm: f64,
+    /// Joint angle about z, in degrees; a revolute joint's value is added to it.
+    #[serde(default)]
+    pub(super) theta_deg: f64,
+    /// Range of a revolute joint: [min, max] in degrees, or a table of such ranges by name, of which `robot.limits`
+    /// selects one.
+    pub(super) limits_deg: Option<RangeOrSets>,
+    /// Range of a prismatic joint: [min, max] in mm, or a table of such ranges by name.
+    pub(super) limits_mm: Option<RangeOrSets>,
+    /// Greatest speed of a revolute joint, in degrees per second.
+    pub(super) max_speed_deg_s: Option<f64>,
+    /// Greatest speed of a prismatic joint, in mm per second.
+    pub(super) max_speed_mm_s: Option<f64>,
+}
+
+/// A position and an orientation.
+#[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Pose {
+    /// Position x, y, z in mm; zero when left out.
+    #[serde(default)]
+    pub(super) position_mm: Numbers<3>,
+    /// Roll, pitch and yaw in degrees, as in URDF: Rz(yaw) Ry(pitch) Rx(roll). No rotation when left out.
+    pub(super) rpy_deg: Option<Numbers<3>>,
+    /// Orientation as a unit quaternion x, y, z, w, instead of `rpy_deg`.
+    pub(super) quaternion_xyzw: Option<Numbers<4>>,
+}
+
+/// The nominal camera. Pixel (0, 0) is the centre of the top-left pixel.
+#[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Camera {
+    /// Pose of the camera in the flange frame (x right, y down, z forward): "optical-axis-z" when they are the same
+    /// frame, "optical-axis-x" when the camera looks along the flange's x (`z_C` = `x_F`, `y_C` = -`y_F`, `x_C` = `z_F`), or a
+    /// table with `position_mm` and `rpy_deg` or `quaternion_xyzw`.
+    #[serde(default)]
+    pub(super) mount: TextOrTable<Named<MountName>, Pose>,
+    /// Image width in px.
+    pub(super) width_px: u32,
+    /// Image height in px.
+    pub(super) height_px: u32,
+    /// Focal length along x, in px.
+    pub(super) fx_px: f64,
+    /// Focal length along y, in px; `fx_px` when left out.
+    pub(super) fy_px: Option<f64>,
+    /// Principal point x, in px; the image centre, (width - 1) / 2, when left out.
+    pub(super) cx_px: Option<f64>,
+    /// Principal point y, in px; the image centre, (height - 1) / 2, when left out.
+    pub(super) cy_px: Option<f64>,
+    /// Lens distortion; none when left out.
+    #[serde(default)]
+    pub(super) distortion: Distortion,
+}
+
+/// The lens model and its coefficients, with OpenCV's names. A coefficient that is left out is 0.
+#[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Distortion {
+    /// Lens model: "brown-conrady" has k1 k2 p1 p2 k3 (ROS `plumb_bob`), "rational" k1 k2 p1 p2 k3 k4 k5 k6,
+    /// "kannala-brandt" k1 k2 k3 k4 (OpenCV fisheye).
+    pub(super) model: Named<Lens>,
+    /// First radial coefficient.
+    pub(super) k1: Option<f64>,
+    /// Second radial coefficient.
+    pub(super) k2: Option<f64>,
+    /// First tangential coefficient.
+    pub(super) p1: Option<f64>,
+    /// Second tangential coefficient.
+    pub(super) p2: Option<f64>,
+    /// Third radial coefficient.
+    pub(super) k3: Option<f64>,
+    /// First radial coefficient of the denominator; for "kannala-brandt" the fourth of the angle.
+    pub(super) k4: Option<f64>,
+    /// Second radial coefficient of the denominator.
+    pub(super) k5: Option<f64>,
+    /// Third radial coefficient of the denominator.
+    pub(super) k6: Option<f64>,
+}
+
+/// A checkerboard. Its frame has the origin at the board's centre, x along the columns, y along the rows and z out of
+/// the printed side.
+#[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Target {
+    /// Inner corners along x.
+    pub(super) columns: u32,
+    /// Inner corners along y.
+    pub(super) rows: u32,
+    /// Side of a square in mm.
+    pub(super) square_mm: f64,
+    /// Pose of the board in the robot's base frame.
+    pub(super) pose: Pose,
+    /// The zone, centred on the board, that the optical axis is tested against; the printed board when left out.
+    #[serde(default)]
+    pub(super) zone: Zone,
+}
+
+/// A rectangle in the board's plane, centred on the board.
+#[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Zone {
+    /// Extent along x in mm; the printed board's, (columns + 1) squares, when left out.
+    pub(super) width_mm: Option<f64>,
+    /// Extent along y in mm; the printed board's, (rows + 1) squares, when left out.
+    pub(super) height_mm: Option<f64>,
+    /// Width in mm of the band inside the border that counts as edge.
+    #[serde(default)]
+    pub(super) edge_margin_mm: f64,
+}
+
+/// The joint configurations to try: a grid (`step_deg`, `step_mm`) or a low-discrepancy sample (`sample`). A sample of
+/// 200 000 when nothing is given.
+#[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Sweep {
+    /// Step of the revolute joints in degrees: one number for all, or a list with one per revolute joint.
+    pub(super) step_deg: Option<NumberOrList>,
+    /// Step of the prismatic joints in mm: one number for all, or a list with one per prismatic joint.
+    pub(super) step_mm: Option<NumberOrList>,
+    /// Number of configurations of a Halton sample, instead of a grid.
+    pub(super) sample: Option<u64>,
+    /// Where the optical axis must go: "any" keeps all configurations, "zone" those whose axis meets the zone.
+    #[serde(default = "any_axis")]
+    pub(super) axis: Named<AxisRule>,
+}
+
+/// What a view must satisfy besides showing every corner.
+#[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct Visibility {
+    /// Least distance of every corner from the image border, in px.
+    pub(super) margin_px: f64,
+    /// Greatest angle between the board's normal and the direction to the camera, in degrees.
+    pub(super) max_incidence_deg: f64,
+    /// Least distance from the camera to the board's centre, in mm.
+    pub(super) min_distance_mm: f64,
+    /// Greatest distance from the camera to the board's centre, in mm.
+    pub(super) max_distance_mm: f64,
+    /// Least distance between neighbouring corners in the image, in px.
+    pub(super) min_corner_spacing_px: f64,
+}
+
+/// The error of a detected corner.
+#[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct Noise {
+    /// Standard deviation of a detected corner in each direction, in px.
+    pub(super) sigma_px: f64,
+}
+
+/// The parameters that the calibration estimates.
+#[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Estimate {
+    /// Names of the intrinsics to estimate: fx, fy, cx, cy and the lens model's coefficients. All when left out.
+    pub(super) intrinsics: Option<Vec<String>>,
+}
+
+/// Which poses to choose, and how.
+#[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct Selection {
+    /// What to make small: "v" the mean variance of the calibrated projection over the image, "d" the volume of the
+    /// confidence ellipsoid.
+    pub(super) criterion: Named<Criterion>,
+    /// How to choose.
+    pub(super) method: Named<Method>,
+    /// Number of poses.
+    pub(super) count: u64,
+    /// Seed of everything random.
+    pub(super) seed: u64,
+    /// Relative gap at which the relaxation stops.
+    pub(super) tolerance: f64,
+}
+
+/// Where the plan goes.
+#[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Output {
+    /// Folder for the plan, relative to the working directory; "plans/" and the name in lower case when left out.
+    pub(super) folder: Option<String>,
+}
+
+fn standard() -> Named<Convention> {
+    Named(Convention::Standard)
+}
+
+fn revolute() -> Named<JointKind> {
+    Named(JointKind::Revolute)
+}
+
+fn any_axis() -> Named<AxisRule> {
+    Named(AxisRule::Any)
+}
+
+impl Default for Named<AxisRule> {
+    fn default() -> Self {
+        any_axis()
+    }
+}
+
+impl Default for TextOrTable<Named<MountName>, Pose> {
+    fn default() -> Self {
+        Self::Text(Named(MountName::OpticalAxisZ))
+    }
+}
+
+impl Default for Distortion {
+    fn default() -> Self {
+        let [k1, k2, p1, p2, k3, k4, k5, k6] = [None; 8];
+        Self { model: Named(Lens::Pinhole), k1, k2, p1, p2, k3, k4, k5, k6 }
+    }
+}
+
+impl Default for Visibility {
+    fn default() -> Self {
+        Self {
+            margin_px: 5.0,
+            max_incidence_deg: 70.0,
+            min_distance_mm: 0.0,
+            max_distance_mm: 100_000.0,
+            min_corner_spacing_px: 5.0,
+        }
+    }
+}
+
+impl Default for Noise {
+    fn default() -> Self {
+        Self { sigma_px: 0.3 }
+    }
+}
+
+impl Default for Selection {
+    fn default() -> Self {
+        Self { criterion: Named(Criterion::V), method: Named(Method::Best), count: 10, seed: 0, tolerance: 1e-9 }
+    }
+}

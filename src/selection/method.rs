@@ -1,0 +1,46 @@
+//! The ways to choose a subset.
+
+/// A way to choose k of n candidates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Method {
+    /// The better of greedy and rounded relaxation, each improved by exchange.
+    Best,
+    /// The relaxation's k largest weights.
+    Relaxation,
+    /// Greedy, improved by exchange.
+    Exchange,
+    /// The best marginal gain, k times.
+    Greedy,
+    /// k candidates at random.
+    Random,
+    /// The members nearest to the centres of k clusters of joint vectors.
+    KMeansJoints,
+    /// The members nearest to the centres of k clusters of camera positions.
+    KMeansPositions,
+}
+
+impl Method {
+    /// Every method.
+    pub const ALL: [Method; 7] = [
+        Method::Best,
+        Method::Relaxation,
+        Method::Exchange,
+        Method::Greedy,
+        Method::Random,
+        Method::KMeansJoints,
+        Method::KMeansPositions,
+    ];
+
+    /// Name as written in problem files and plans.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::Best => "best",
+            Method::Relaxation => "relaxation",
+            Method::Exchange => "exchange",
+            Method::Greedy => "greedy",
+            Method::Random => "random",
+            Method::KMeansJoints => "kmeans-joints",
+            Method::KMeansPositions => "kmeans-positions",
+        }
+    }
+}

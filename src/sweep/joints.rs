@@ -1,0 +1,176 @@
+//! The joint configurations that a sweep visits.
+
+use crate::robot::Limits;
+
+/// A finite set of joint configurations, numbered from 0.
+#[derive(Debug, Clone, PartialEq)]
+pub enum JointSpace {
+    /// Every combination of evenly spaced joint values.
+    Grid(JointGrid),
+    /// A low-discrepancy sample, for arms whose grid would explode.
+    Sample(HaltonSample),
+}
+
+/// The grid `q = min + j·step, j = 0 … floor((max − min) / step)` of every joint; the last joint runs fastest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointGrid {
+    joints: Vec<Axis>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Axis {
+    min: f64,
+    step: f64,
+    count: usize,
+}
+
+/// The first points of Halton's sequence, leaped over its correlated start and scaled to the joint limits.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HaltonSample {
+    limits: Vec<Limits>,
+    len: usize,
+}
+
+impl JointSpace {
+    /// Number of configurations.
+    pub fn len(&self) -> usize {
+        match self {
+            JointSpace::Grid(grid) => grid.len(),
+            JointSpace::Sample(sample) => sample.len,
+        }
+    }
+
+    /// Whether there is no configuration.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Joint values (rad or m) of configuration `id`, which must be below [`JointSpace::len`].
+    pub fn configuration(&self, id: usize) -> Vec<f64> {
+        match self {
+            JointSpace::Grid(grid) => grid.configuration(id),
+            JointSpace::Sample(sample) => sample.configuration(id),
+        }
+    }
+}
+
+impl JointGrid {
+    /// The grid of joints with these limits and steps (rad or m, positive), one pair per joint.
+    ///
+    /// Both ends belong to the grid where the step divides the range, rounding errors of 10⁻⁹ steps forgiven.
+    pub fn new(limits: &[Limits], steps: &[f64]) -> Self {
+        let joints = limits.iter().zip(steps).map(|(limits, &step)| {
+            let count = ((limits.max - limits.min) / step + 1e-9).floor() as usize + 1;
+            Axis { min: limits.min, step, count }
+        });
+        Self { joints: joints.collect() }
+    }
+
+    /// Number of values of each joint.
+    pub fn counts(&self) -> Vec<usize> {
+        self.joints.iter().map(|axis| axis.count).collect()
+    }
+
+    /// Step of each joint, rad or m.
+    pub fn steps(&self) -> Vec<f64> {
+        self.joints.iter().map(|axis| axis.step).collect()
+    }
+
+    /// Number of configurations: the product of the counts, saturating.
+    pub fn len(&self) -> usize {
+        self.joints.iter().fold(1, |product, axis| product.saturating_mul(axis.count))
+    }
+
+    /// Whether there is no configuration.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Joint values of configuration `id`: its digits in the mixed radix of the counts.
+    pub fn configuration(&self, mut id: usize) -> Vec<f64> {
+        let mut q = vec![0.0; self.joints.len()];
+        for (q, axis) in q.iter_mut().zip(&self.joints).rev() {
+            *q = axis.min + (id % axis.count) as f64 * axis.step;
+            id /= axis.count;
+        }
+        q
+    }
+}
+
+/// Bases of the sequence, one per joint.
+const PRIMES: [usize; 16] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53];
+
+impl HaltonSample {
+    /// Most joints that the sequence has bases for.
+    pub const MOST_JOINTS: usize = PRIMES.len();
+
+    /// `len` configurations within `limits`, of at most [`HaltonSample::MOST_JOINTS`] joints.
+    pub fn new(limits: &[Limits], len: usize) -> Self {
+        debug_assert!(limits.len() <= Self::MOST_JOINTS);
+        Self { limits: limits.to_vec(), len }
+    }
+
+    /// Joint values of point `id`.
+    pub fn configuration(&self, id: usize) -> Vec<f64> {
+        // The first points of the larger bases rise together; skipping past the largest base breaks that up.
+        let index = id + 2 * PRIMES[PRIMES.len() - 1];
+        let scale =
+            |(limits, &base): (&Limits, &usize)| limits.min + (limits.max - limits.min) * radical_inverse(index, base);
+        self.limits.iter().zip(&PRIMES).map(scale).collect()
+    }
+}
+
+/// The digits of `index` in `base`, mirrored at the point: van der Corput's sequence.
+fn radical_inverse(mut index: usize, base: usize) -> f64 {
+    let (mut value, mut place) = (0.0, 1.0);
+    while index > 0 {
+        place /= base as f64;
+        value += place * (index % base) as f64;
+        index /= base;
+    }
+    value
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn degrees(min: f64, max: f64) -> Limits {
+        Limits { min: min.to_radians(), max: max.to_radians() }
+    }
+
+    #[test]
+    fn both_ends_belong_to_the_grid_when_the_step_divides_the_range() {
+        let grid = JointGrid::new(&[degrees(-0.3, 0.3), degrees(0.0, 10.0)], &[0.1f64.to_radians(), 4f64.to_radians()]);
+        assert_eq!(grid.counts(), [7, 3]);
+        assert!((grid.configuration(20)[0] - 0.3f64.to_radians()).abs() < 1e-15);
+        assert!((grid.configuration(20)[1] - 8f64.to_radians()).abs() < 1e-15);
+        assert_eq!(grid.configuration(1), [degrees(-0.3, 0.0).min, 4f64.to_radians()]);
+    }
+
+    #[test]
+    fn a_fixed_joint_has_one_value() {
+        assert_eq!(JointGrid::new(&[degrees(5.0, 5.0)], &[1.0]).counts(), [1]);
+    }
+
+    /// The paper's table III: Q of 20°, 10° and 8°.
+    #[test]
+    fn servosila_grid_sizes() {
+        let limits = [degrees(-214.2, 137.3), degrees(-16.4, 114.2), degrees(-216.9, 0.0), degrees(0.0, 188.8)];
+        for (step, size) in [(20.0, 13_860), (10.0, 210_672), (8.0, 502_656)] {
+            assert_eq!(JointGrid::new(&limits, &[f64::to_radians(step); 4]).len(), size);
+        }
+    }
+
+    #[test]
+    fn the_sample_fills_every_sixteenth_of_two_joints() {
+        let sample = HaltonSample::new(&[Limits { min: -1.0, max: 1.0 }, Limits { min: 0.0, max: 4.0 }], 400);
+        let mut cells = [0; 16];
+        for id in 0..400 {
+            let q = sample.configuration(id);
+            assert!((-1.0..1.0).contains(&q[0]) && (0.0..4.0).contains(&q[1]));
+            cells[((q[0] + 1.0) * 2.0) as usize * 4 + q[1] as usize] += 1;
+        }
+        assert!(cells.iter().all(|&n| (20..=30).contains(&n)), "{cells:?}");
+    }
+}

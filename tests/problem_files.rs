@@ -1,0 +1,244 @@
+//! The problem files that ship load, and mean what they say.
+
+#![allow(non_snake_case, clippy::unwrap_used, clippy::expect_used)]
+
+use std::f64::consts::PI;
+use std::path::{Path, PathBuf};
+
+use calipose::feasibility::visible_views;
+use calipose::problem::{Problem, STARTER, StepError, schema_json};
+use calipose::robot::JointKind;
+use calipose::sweep::sweep;
+use nalgebra::{Point3, Vector2, Vector3};
+use serde_json::Value;
+
+fn load(text: &str) -> Problem {
+    Problem::parse(text, Path::new("problem.toml")).map_err(miette::Report::new).unwrap()
+}
+
+fn shipped() -> Vec<PathBuf> {
+    let files = std::fs::read_dir("problems").unwrap().map(|entry| entry.unwrap().path());
+    files.filter(|path| path.extension().is_some_and(|extension| extension == "toml")).collect()
+}
+
+#[test]
+fn every_shipped_file_loads() {
+    assert!(!shipped().is_empty());
+    for path in shipped() {
+        Problem::read(&path).map_err(miette::Report::new).unwrap();
+    }
+}
+
+#[test]
+fn the_starter_has_views_to_choose_from() {
+    let problem = load(STARTER);
+    let found = sweep(&problem.robot, &problem.target, &problem.space, problem.axis);
+    let (views, rejected) = visible_views(
+        &problem.robot,
+        &problem.camera,
+        &problem.target,
+        &problem.visibility,
+        &problem.space,
+        &found.candidates,
+    );
+    assert!(views.len() > 100 * problem.selection.count, "{} views, {rejected:?}", views.len());
+}
+
+/// The starter shows the defaults as comments; with the comment signs taken off it must say the same.
+#[test]
+fn the_defaults_that_the_starter_shows_are_the_defaults() {
+    let mut shown = STARTER.to_owned();
+    for key in
+        ["margin_px", "max_incidence_deg", "min_corner_spacing_px", "axis", "criterion", "method", "seed", "tolerance"]
+    {
+        let comment = format!("# {key} = ");
+        assert!(shown.contains(&comment), "{key}");
+        shown = shown.replace(&comment, &format!("{key} = "));
+    }
+    for (comment, key) in [
+        ("# [output]\n# folder", "[output]\nfolder"),
+        ("# [estimate]\n# intrinsics", "[estimate]\nintrinsics"),
+        ("# flange = ", "flange = "),
+    ] {
+        assert!(shown.contains(comment));
+        shown = shown.replace(comment, key);
+    }
+    let shown = Problem { sha256: String::new(), ..load(&shown) };
+    assert_eq!(shown, Problem { sha256: String::new(), ..load(STARTER) });
+}
+
+#[test]
+fn units_become_metres_and_radians() {
+    let problem = Problem::read(Path::new("problems/servosila-engineer.toml")).unwrap();
+    let joints = &problem.robot.chain.joints;
+    assert_eq!(joints[0].limits.max, 137.3f64.to_radians());
+    assert_eq!(problem.target.board.square, 0.035);
+    assert_eq!(problem.target.zone.width, 0.378_25);
+    assert_eq!(problem.camera.intrinsics(), [1000.0, 1000.0, 639.5, 359.5, -0.2, 0.05, 0.0, 0.0, 0.0]);
+    assert_eq!(problem.output, Path::new("plans/servosila-engineer"));
+    assert_eq!(problem.sha256.len(), 64);
+    // The paper's figure 9, and where its camera looks.
+    let X_BC = problem.robot.camera_pose(&[-0.2478, 1.4591, -0.644 - PI, -2.618 + PI]);
+    let ahead = X_BC * Point3::new(0.0, 0.0, 0.72488);
+    assert!((ahead - Point3::new(0.22119, -0.05596, -0.098)).norm() < 1e-5, "{ahead}");
+}
+
+#[test]
+fn prismatic_joints_modified_tables_and_poses() {
+    let problem = load(
+        r#"
+        [robot]
+        convention = "modified"
+        flange = { position_mm = [0, 0, 50], rpy_deg = [90, 0, 90] }
+        [[robot.joints]]
+        name = "slide"
+        kind = "prismatic"
+        alpha_deg = 90
+        a_mm = 100
+        limits_mm = [0, 500]
+        max_speed_mm_s = 250
+        [camera]
+        mount = { position_mm = [10, 0, 0], quaternion_xyzw = [0, 0, 0.7071, 0.7071] }
+        width_px = 640
+        height_px = 480
+        fx_px = 500
+        [target]
+        columns = 4
+        rows = 3
+        square_mm = 30
+        pose = {}
+        [sweep]
+        step_mm = [100]
+        [selection]
+        count = 6
+        "#,
+    );
+    let joint = &problem.robot.chain.joints[0];
+    assert_eq!((joint.kind, joint.limits.max, joint.max_speed), (JointKind::Prismatic, 0.5, Some(0.25)));
+    assert_eq!(problem.space.len(), 6);
+    assert_eq!(problem.name, "problem");
+    assert_eq!(problem.camera.intrinsics(), [500.0, 500.0, 319.5, 239.5]);
+    assert_eq!((problem.target.zone.width, problem.target.zone.height), (0.15, 0.12));
+    // Rx(90°)·Tx(100 mm)·Tz(q + 50 mm), then Rz(90°)·Rx(90°), then 10 mm along x and Rz(90°).
+    let X_BC = problem.robot.camera_pose(&[0.2]);
+    assert!((X_BC.translation.vector - Vector3::new(0.1, -0.25, 0.01)).norm() < 1e-12, "{X_BC}");
+    assert!((X_BC.rotation * Vector3::x() - Vector3::new(0.0, -1.0, 0.0)).norm() < 1e-12, "{X_BC}");
+    // A step in rad does not concern it.
+    assert_eq!(problem.with_step(0.1).unwrap().space, problem.space);
+}
+
+#[test]
+fn a_fisheye_is_a_camera_too() {
+    let text = STARTER.replace("model = \"brown-conrady\"", "model = \"kannala-brandt\"");
+    let camera = load(&text).camera;
+    assert_eq!(camera.intrinsics()[4..], [-0.1, 0.0, 0.0, 0.0]);
+    assert!(camera.unproject(&Vector2::new(0.0, 0.0)).is_some());
+}
+
+#[test]
+fn whole_numbers_stand_for_fractions_and_line_ends_may_be_windows() {
+    let unix = load(STARTER);
+    let windows = load(&STARTER.replace('\n', "\r\n").replace("sigma_px = 0.3", "sigma_px = 3e-1"));
+    assert_eq!(windows.robot, unix.robot);
+    assert_ne!(windows.sha256, unix.sha256);
+}
+
+/// Not a validator: every key of the file must be a property of its object in the schema, every required key present.
+fn assert_accepted(root: &Value, schema: &Value, value: &Value, path: &str) {
+    let schema = match schema.get("$ref").and_then(Value::as_str) {
+        Some(name) => root.pointer(name.trim_start_matches('#')).unwrap(),
+        None => schema,
+    };
+    if let Some(reference) = schema.get("allOf").and_then(|all| all.get(0)) {
+        return assert_accepted(root, reference, value, path);
+    }
+    if let Some(options) = schema.get("anyOf").and_then(Value::as_array) {
+        let fits = |option: &&Value| option.get("$ref").is_some() || option["type"] == json_type(value);
+        return assert_accepted(root, options.iter().find(fits).expect(path), value, path);
+    }
+    if let Some(names) = schema.get("enum").and_then(Value::as_array) {
+        assert!(names.contains(value), "{path}: {value}");
+    }
+    match value {
+        Value::Object(object) => {
+            for required in schema.get("required").and_then(Value::as_array).into_iter().flatten() {
+                assert!(object.contains_key(required.as_str().unwrap()), "{path}: {required}");
+            }
+            for (key, value) in object {
+                let path = format!("{path}.{key}");
+                let below = schema.get("properties").and_then(|properties| properties.get(key));
+                let below = below.or_else(|| schema.get("additionalProperties").filter(|more| more.is_object()));
+                assert_accepted(root, below.expect(&path), value, &path);
+            }
+        }
+        Value::Array(list) if schema.get("items").is_some() => {
+            for entry in list {
+                assert_accepted(root, &schema["items"], entry, path);
+            }
+        }
+        _ => {}
+    }
+}
+
+fn json_type(value: &Value) -> &'static str {
+    match value {
+        Value::Null => "null",
+        Value::Bool(_) => "boolean",
+        Value::Number(_) => "number",
+        Value::String(_) => "string",
+        Value::Array(_) => "array",
+        Value::Object(_) => "object",
+    }
+}
+
+#[test]
+fn the_schema_knows_every_key_of_the_files() {
+    let schema = schema_json();
+    let texts = shipped().into_iter().map(|path| std::fs::read_to_string(path).unwrap());
+    for text in texts.chain([STARTER.to_owned()]) {
+        let value: Value = toml::from_str(&text).unwrap();
+        assert_accepted(&schema, &schema, &value, "");
+    }
+}
+
+#[test]
+fn the_schema_describes_every_key() {
+    for (key, property) in properties(&schema_json()) {
+        assert!(property.get("description").is_some(), "{key}");
+    }
+}
+
+#[test]
+fn the_reference_names_every_key() {
+    let reference = std::fs::read_to_string("docs/problem-file.md").unwrap();
+    for (key, property) in properties(&schema_json()) {
+        let named =
+            [format!("`{key}`"), format!("`{key} "), format!(" {key} "), format!(" {key}`"), format!("{key}]`")];
+        assert!(named.iter().any(|name| reference.contains(name)), "{key}");
+        for name in property.get("enum").and_then(Value::as_array).into_iter().flatten() {
+            assert!(reference.contains(&format!("`{name}`")), "{key} = {name}");
+        }
+    }
+}
+
+fn properties(schema: &Value) -> Vec<(String, Value)> {
+    let objects = schema["definitions"].as_object().unwrap().values().chain([schema]);
+    let properties = objects.filter_map(|object| object["properties"].as_object());
+    properties.flatten().map(|(key, property)| (key.clone(), property.clone())).collect()
+}
+
+#[test]
+fn a_zone_of_exactly_the_board_holds_it_despite_binary_fractions() {
+    let text = STARTER.replace("columns = 9", "columns = 2").replace("square_mm = 25", "square_mm = 0.1");
+    load(&text.replace("[sweep]", "[target.zone]\nwidth_mm = 0.3\n[sweep]"));
+}
+
+#[test]
+fn steps_that_make_no_grid_are_refused() {
+    let problem = load(STARTER);
+    assert_eq!(problem.with_step(0.0), Err(StepError::NotPositive { step: 0.0 }));
+    assert!(matches!(problem.with_step(f64::NAN), Err(StepError::NotPositive { .. })));
+    let fine = problem.with_step(1e-3);
+    assert!(matches!(fine, Err(StepError::TooManyConfigurations { most: 100_000_000, .. })));
+    assert_eq!(problem.with_step(1.0).unwrap().space.len(), 3 * 2 * 3 * 4 * 2 * 7);
+}
