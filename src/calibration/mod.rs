@@ -94,6 +94,14 @@ pub enum CalibrationError {
         /// Intrinsics and poses.
         unknown: usize,
     },
+    /// A start with another number of poses than there are views.
+    #[error("the start has {poses} poses for {views} views")]
+    PoseCount {
+        /// Poses given.
+        poses: usize,
+        /// Views observed.
+        views: usize,
+    },
     /// No pose of the board explains a view at all.
     #[error("view {view}: no pose of the board explains its corners")]
     NoStart {
@@ -152,7 +160,6 @@ pub fn calibrate(
     estimated: &[usize],
     settings: &CalibrationSettings,
 ) -> Result<Calibration, CalibrationError> {
-    check(observations, nominal, estimated, settings)?;
     let start = start(observations, nominal, estimated)?;
     refine(observations, start, estimated, settings)
 }
@@ -160,38 +167,24 @@ pub fn calibrate(
 /// As [`calibrate`], from a given start.
 ///
 /// # Errors
-/// As [`calibrate`]; [`CalibrationError::NoStart`] also where the start has another number of poses than there are
-/// views, named by the first view without a pose or pose without a view.
+/// As [`calibrate`], and [`CalibrationError::PoseCount`].
 pub fn refine(
     observations: &Observations,
     start: Start,
     estimated: &[usize],
     settings: &CalibrationSettings,
 ) -> Result<Calibration, CalibrationError> {
-    check(observations, &start.camera, estimated, settings)?;
-    let views = observations.views().len();
-    if start.poses.len() != views {
-        return Err(CalibrationError::NoStart { view: views.min(start.poses.len()) });
+    check_settings(settings)?;
+    check_problem(observations, &start.camera, estimated)?;
+    let (poses, views) = (start.poses.len(), observations.views().len());
+    if poses != views {
+        return Err(CalibrationError::PoseCount { poses, views });
     }
     let refined = refinement::refine(observations, start, estimated, &settings.refinement);
     estimate::summarise(observations, refined, estimated, settings)
 }
 
-fn check(
-    observations: &Observations,
-    camera: &Camera,
-    estimated: &[usize],
-    settings: &CalibrationSettings,
-) -> Result<(), CalibrationError> {
-    let sizes = ((camera.width(), camera.height()), (observations.width(), observations.height()));
-    if sizes.0 != sizes.1 {
-        return Err(CalibrationError::ImageSize { camera: sizes.0, observations: sizes.1 });
-    }
-    let count = camera.intrinsics().len();
-    let repeated = (1..estimated.len()).any(|i| estimated[..i].contains(&estimated[i]));
-    if estimated.is_empty() || repeated || estimated.iter().any(|&j| j >= count) {
-        return Err(CalibrationError::Parameters { estimated: estimated.to_vec(), count });
-    }
+fn check_settings(settings: &CalibrationSettings) -> Result<(), CalibrationError> {
     let RefinementSettings { loss, tolerance, .. } = settings.refinement;
     for (name, value) in [
         ("loss's scale", loss.scale().unwrap_or(1.0)),
@@ -201,6 +194,19 @@ fn check(
         if !(value > 0.0 && value.is_finite()) {
             return Err(CalibrationError::Setting { name, value });
         }
+    }
+    Ok(())
+}
+
+fn check_problem(observations: &Observations, camera: &Camera, estimated: &[usize]) -> Result<(), CalibrationError> {
+    let sizes = ((camera.width(), camera.height()), (observations.width(), observations.height()));
+    if sizes.0 != sizes.1 {
+        return Err(CalibrationError::ImageSize { camera: sizes.0, observations: sizes.1 });
+    }
+    let count = camera.intrinsics().len();
+    let repeated = (1..estimated.len()).any(|i| estimated[..i].contains(&estimated[i]));
+    if estimated.is_empty() || repeated || estimated.iter().any(|&j| j >= count) {
+        return Err(CalibrationError::Parameters { estimated: estimated.to_vec(), count });
     }
     let found = observations.views().len();
     let pinhole_parameters = estimated.iter().filter(|&&j| j < 4).count();

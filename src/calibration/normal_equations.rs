@@ -87,6 +87,7 @@ impl<const P: usize> NormalEquations<P> {
     }
 
     /// Sums the blocks at `camera` and `poses` and returns the cost, px²; infinite where a corner has no image.
+    #[allow(clippy::needless_range_loop, reason = "the indices are the algorithm")]
     pub(super) fn sum(&mut self, measurements: &Measurements, camera: &Camera, poses: &[Pose], loss: Loss) -> f64 {
         self.U = [[0.0; P]; P];
         self.g = [0.0; P];
@@ -103,10 +104,17 @@ impl<const P: usize> NormalEquations<P> {
                 let r = projection.pixel - measurement.pixel;
                 let (ρ, weight) = loss.at(r.norm_squared());
                 cost += ρ;
+                // Weighted equations: both sides by the root of the weight.
+                let root = weight.sqrt();
+                let mut a = [[0.0; P]; 2];
+                let mut b = [[0.0; 6]; 2];
                 for row in 0..2 {
-                    let J = projection.by_point.row(row);
+                    for j in 0..P {
+                        a[row][j] = root * projection.by_intrinsics[(row, j)];
+                    }
+                    let J = projection.by_point.row(row) * root;
                     // ∂p_C/∂ω = −[arm]× and ∂p_C/∂v = 1.
-                    let b = [
+                    b[row] = [
                         arm.y * J[2] - arm.z * J[1],
                         arm.z * J[0] - arm.x * J[2],
                         arm.x * J[1] - arm.y * J[0],
@@ -114,9 +122,8 @@ impl<const P: usize> NormalEquations<P> {
                         J[1],
                         J[2],
                     ];
-                    let a: [f64; P] = std::array::from_fn(|j| projection.by_intrinsics[(row, j)]);
-                    accumulate((&mut self.U, &mut self.g), blocks, &a, &b, r[row], weight);
                 }
+                accumulate((&mut self.U, &mut self.g), blocks, &a, &b, [root * r.x, root * r.y]);
             }
         }
         self.hold_fixed();
@@ -210,34 +217,32 @@ impl<const P: usize> Step<P> {
     }
 }
 
-/// Adds one row of the Jacobians, `a` by the intrinsics and `b` by the pose, with its residual and weight.
+/// Adds the two rows of a corner's Jacobians, `a` by the intrinsics and `b` by the pose, with their residuals `r`.
 #[inline]
 #[allow(clippy::needless_range_loop, reason = "the indices are the algorithm")]
 fn accumulate<const P: usize>(
     (U, g): (&mut [[f64; P]; P], &mut [f64; P]),
     blocks: &mut ViewBlocks<P>,
-    a: &[f64; P],
-    b: &[f64; 6],
-    residual: f64,
-    weight: f64,
+    a: &[[f64; P]; 2],
+    b: &[[f64; 6]; 2],
+    r: [f64; 2],
 ) {
-    let wr = weight * residual;
     for i in 0..P {
-        let wa = weight * a[i];
+        let (u, v) = (a[0][i], a[1][i]);
         for j in i..P {
-            U[i][j] += wa * a[j];
+            U[i][j] += u * a[0][j] + v * a[1][j];
         }
         for j in 0..6 {
-            blocks.W[i][j] += wa * b[j];
+            blocks.W[i][j] += u * b[0][j] + v * b[1][j];
         }
-        g[i] += a[i] * wr;
+        g[i] += u * r[0] + v * r[1];
     }
     for i in 0..6 {
-        let wb = weight * b[i];
+        let (u, v) = (b[0][i], b[1][i]);
         for j in i..6 {
-            blocks.V[i][j] += wb * b[j];
+            blocks.V[i][j] += u * b[0][j] + v * b[1][j];
         }
-        blocks.g[i] += b[i] * wr;
+        blocks.g[i] += u * r[0] + v * r[1];
     }
 }
 

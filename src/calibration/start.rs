@@ -38,8 +38,10 @@ const VIRTUAL_HALF_ANGLE: f64 = 0.2;
 /// views best among a ladder of them.
 ///
 /// # Errors
-/// [`CalibrationError::NoStart`] with the view for which no pose could be found.
+/// [`CalibrationError::NoStart`] with the view for which no pose could be found; inconsistent arguments as for
+/// [`super::calibrate`].
 pub fn start(observations: &Observations, nominal: &Camera, estimated: &[usize]) -> Result<Start, CalibrationError> {
+    super::check_problem(observations, nominal, estimated)?;
     let unknown = Unknown::new(observations, nominal, estimated);
     if nominal.lens() == Lens::KannalaBrandt { unknown.by_focal_ladder() } else { unknown.by_closed_form() }
 }

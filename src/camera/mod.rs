@@ -162,6 +162,7 @@ impl Camera {
     }
 
     /// The pixel of point `p_C` (m) with its derivatives, or `None` where [`Camera::project`] gives none.
+    #[inline]
     pub fn project_with_derivatives(&self, p_C: &Point3<f64>) -> Option<Projection> {
         let [fx, fy, cx, cy, ref coefficients @ ..] = self.intrinsics;
         let d = self.lens.distort_with_derivatives(&p_C.coords, coefficients, self.reach)?;

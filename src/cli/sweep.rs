@@ -27,7 +27,10 @@ pub(super) fn run(arguments: &SweepArguments, screen: &mut Screen) -> Result<(),
         vec![(String::from("file"), file)]
     } else {
         let with_step = |&step: &f64| {
-            Ok((step.to_string(), file.with_step(step.to_radians()).map_err(|error| Failure::Usage(error.to_string()))?))
+            Ok((
+                step.to_string(),
+                file.with_step(step.to_radians()).map_err(|error| Failure::Usage(error.to_string()))?,
+            ))
         };
         arguments.step.iter().map(with_step).collect::<Result<Vec<_>, Failure>>()?
     };

@@ -155,6 +155,8 @@ pub struct MonteCarlo {
 /// Simulates and calibrates `trials.count` sets of images on all cores. Each calibration sees the images and the
 /// intrinsics that are not estimated, nothing else of the truth.
 ///
+/// Statistics are NaN where fewer than two trials gave a camera.
+///
 /// `observer` is told the number of trials done, from any thread. The result does not depend on the number of threads.
 ///
 /// # Errors
