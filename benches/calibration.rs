@@ -1,5 +1,5 @@
 //! One calibration of 20 views of 48 corners, by lens, and its two stages.
-#![allow(missing_docs, clippy::unwrap_used, reason = "a benchmark")]
+#![allow(missing_docs, mixed_script_confusables, clippy::unwrap_used, reason = "a benchmark")]
 
 use calipose::calibration::{CalibrationSettings, Observations, calibrate, start};
 use calipose::camera::{Camera, Lens};

@@ -2,6 +2,7 @@
 //!
 //! The data sets and OpenCV's results are in `golden/opencv_calibration.json`, made by the script beside it. OpenCV's
 //! restarts from its own result move parameters by up to 1e-7 of their size, which bounds what can be compared.
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test")]
 
 use calipose::calibration::{Calibration, CalibrationSettings, Corner, Observations, View, calibrate};
 use calipose::camera::{Camera, Lens};
