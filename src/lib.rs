@@ -52,6 +52,7 @@
     reason = "mathematics reads like its source: X_CT, M_i, θ"
 )]
 
+pub mod calibration;
 pub mod camera;
 pub mod cli;
 pub mod feasibility;
@@ -63,3 +64,4 @@ pub mod selection;
 pub mod spatial;
 pub mod sweep;
 pub mod target;
+pub mod verification;
