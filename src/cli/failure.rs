@@ -3,7 +3,7 @@
 use miette::Diagnostic;
 use thiserror::Error;
 
-use crate::plan::{FileError, PlanError, SurveyError};
+use crate::plan::{FileError, PlanError, SurveyError, VerifyError};
 use crate::problem::ProblemError;
 
 /// Anything a command can fail with.
@@ -18,6 +18,10 @@ pub(super) enum Failure {
     #[error(transparent)]
     #[diagnostic(help("check that the folder exists, is writable and has room; nothing was overwritten"))]
     File(#[from] FileError),
+    #[error("cannot use the plan {}: {reason}", path.display())]
+    PlanFile { path: std::path::PathBuf, reason: String },
+    #[error(transparent)]
+    Verify(#[from] VerifyError),
     #[error("{} exists already", .0.display())]
     #[diagnostic(help("give another name, or remove the file first"))]
     Exists(std::path::PathBuf),
@@ -32,7 +36,7 @@ pub(super) enum Failure {
 impl Failure {
     pub(super) fn exit_code(&self) -> u8 {
         match self {
-            Failure::Problem(_) => 3,
+            Failure::Problem(_) | Failure::PlanFile { .. } => 3,
             Failure::Usage(_) => 2,
             _ => 1,
         }

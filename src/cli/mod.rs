@@ -1,14 +1,16 @@
 //! The command line: commands, exit codes, what is printed where.
 //!
 //! Results go to stdout, progress and errors to stderr. Exit codes: 0 done; 1 the command failed; 2 the command line was
-//! wrong; 3 the problem file was refused; 70 a bug in calipose; 130 interrupted.
+//! wrong; 3 the problem file or plan was refused; 70 a bug in calipose; 130 interrupted.
 
 mod compare;
 mod failure;
 mod plan;
+mod planned;
 mod problem;
 mod screen;
 mod sweep;
+mod verify;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -28,7 +30,7 @@ use crate::selection::Method;
 #[command(
     version,
     max_term_width = 100,
-    after_help = "Exit codes: 0 done, 1 failed, 2 wrong command line, 3 problem file refused, 70 bug, 130 interrupted."
+    after_help = "Exit codes: 0 done, 1 failed, 2 wrong command line, 3 problem file or plan refused, 70 bug, 130 interrupted."
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -55,6 +57,8 @@ enum Command {
     Compare(compare::CompareArguments),
     /// Count the candidates, at one or several steps
     Sweep(sweep::SweepArguments),
+    /// Simulate the calibration that a plan leads to and hold it against the prediction
+    Verify(verify::VerifyArguments),
     /// Validate a problem file and say what a run would do
     Check {
         /// Problem file
@@ -145,6 +149,7 @@ fn run(command: &Command, screen: &mut Screen) -> Result<(), Failure> {
         Command::Plan(arguments) => plan::run(arguments, screen),
         Command::Compare(arguments) => compare::run(arguments, screen),
         Command::Sweep(arguments) => sweep::run(arguments, screen),
+        Command::Verify(arguments) => verify::run(arguments, screen),
         Command::Check { file } => problem::check(file, screen),
         Command::Init { file } => problem::init(file, screen),
         Command::Schema => problem::schema(screen),
