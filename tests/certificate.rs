@@ -199,10 +199,8 @@ fn undetermined_parameters_are_named() {
     let candidates = InformationSet::from_matrices(3, &views).unwrap();
     for function in [InformationFunction::Determinant, InformationFunction::variance(&DMatrix::identity(3, 3))] {
         let instance = Instance::new(&candidates, None, &function, 2).unwrap();
-        for refused in [
-            greedy(&instance).unwrap_err(),
-            best(&instance, &RelaxationSettings::default(), 0).unwrap_err(),
-        ] {
+        for refused in [greedy(&instance).unwrap_err(), best(&instance, &RelaxationSettings::default(), 0).unwrap_err()]
+        {
             let SelectionError::Unobservable { count: 2, combination } = refused else { panic!("{refused:?}") };
             assert_eq!(combination.iter().filter(|c| c.abs() > 1e-9).count(), 1, "{combination:?}");
             assert_eq!(combination.iter().copied().fold(0.0, f64::max), 1.0);
@@ -228,7 +226,10 @@ fn matrices_that_are_no_information_are_refused() {
         InformationSet::from_matrices(2, [&good, &DMatrix::from_row_slice(2, 2, &entries)]).unwrap_err()
     };
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-        assert!(matches!(refused([1.0, 0.0, 0.0, bad]), InformationError::NotFinite { candidate: 1, row: 1, column: 1, .. }));
+        assert!(matches!(
+            refused([1.0, 0.0, 0.0, bad]),
+            InformationError::NotFinite { candidate: 1, row: 1, column: 1, .. }
+        ));
     }
     assert!(matches!(refused([1.0, 2.0, 2.0, 1.0]), InformationError::Indefinite { candidate: 1, .. }));
     assert!(matches!(refused([1.0, 0.0, 0.0, -1.0]), InformationError::Indefinite { candidate: 1, .. }));

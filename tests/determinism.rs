@@ -42,7 +42,8 @@ fn another_seed_gives_another_random_plan() {
             .status()
             .unwrap();
         assert!(run.success());
-        let plan: serde_json::Value = serde_json::from_slice(&std::fs::read(output.join("plan.json")).unwrap()).unwrap();
+        let plan: serde_json::Value =
+            serde_json::from_slice(&std::fs::read(output.join("plan.json")).unwrap()).unwrap();
         plan["poses"].as_array().unwrap().iter().map(|pose| pose["id"].as_u64().unwrap()).collect::<Vec<_>>()
     };
     assert_ne!(with_seed("1"), with_seed("2"));
