@@ -32,7 +32,7 @@ fn every_shipped_file_loads() {
 #[test]
 fn the_starter_has_views_to_choose_from() {
     let problem = load(STARTER);
-    let found = sweep(&problem.robot, &problem.target, &problem.space, problem.axis);
+    let found = sweep(&problem.robot, &problem.target, &problem.space, problem.axis, &|_| {});
     let (views, rejected) = visible_views(
         &problem.robot,
         &problem.camera,
@@ -48,9 +48,17 @@ fn the_starter_has_views_to_choose_from() {
 #[test]
 fn the_defaults_that_the_starter_shows_are_the_defaults() {
     let mut shown = STARTER.to_owned();
-    for key in
-        ["margin_px", "max_incidence_deg", "min_corner_spacing_px", "axis", "criterion", "method", "seed", "tolerance"]
-    {
+    for key in [
+        "margin_px",
+        "max_incidence_deg",
+        "max_tilt_deg",
+        "min_corner_spacing_px",
+        "axis",
+        "criterion",
+        "method",
+        "seed",
+        "tolerance",
+    ] {
         let comment = format!("# {key} = ");
         assert!(shown.contains(&comment), "{key}");
         shown = shown.replace(&comment, &format!("{key} = "));

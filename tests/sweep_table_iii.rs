@@ -14,7 +14,7 @@ const FILE: &str = "problems/servosila-engineer.toml";
 
 fn swept_and_kept(problem: &Problem, step_deg: f64) -> (usize, usize) {
     let problem = problem.with_step(step_deg.to_radians()).unwrap();
-    let found = sweep(&problem.robot, &problem.target, &problem.space, AxisRule::Zone);
+    let found = sweep(&problem.robot, &problem.target, &problem.space, AxisRule::Zone, &|_| {});
     assert_eq!(found.candidates.len(), found.inside + found.edge);
     (found.swept, found.candidates.len())
 }

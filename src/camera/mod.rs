@@ -139,10 +139,9 @@ impl Camera {
         &self.intrinsics[..self.lens.parameter_names().len()]
     }
 
-    /// Whether `pixel` lies in the image, at least `margin` px from its border.
+    /// Whether `pixel` lies between the outermost pixel centres, at least `margin` px from them.
     pub fn contains(&self, pixel: &Vector2<f64>, margin: f64) -> bool {
-        // The border runs half a pixel outside the outermost pixel centres.
-        let inside = |x: f64, size: u32| x >= margin - 0.5 && x <= f64::from(size) - 0.5 - margin;
+        let inside = |x: f64, size: u32| x >= margin && x <= f64::from(size) - 1.0 - margin;
         inside(pixel.x, self.width) && inside(pixel.y, self.height)
     }
 
@@ -260,10 +259,10 @@ mod tests {
     }
 
     #[test]
-    fn the_image_ends_half_a_pixel_outside_its_outermost_centres() {
+    fn the_image_ends_at_its_outermost_pixel_centres() {
         let camera = &cameras()[0];
-        assert!(camera.contains(&Vector2::new(-0.5, 719.5), 0.0));
-        assert!(!camera.contains(&Vector2::new(-0.51, 10.0), 0.0));
+        assert!(camera.contains(&Vector2::new(0.0, 719.0), 0.0));
+        assert!(!camera.contains(&Vector2::new(-0.01, 10.0), 0.0));
         assert!(!camera.contains(&Vector2::new(9.0, 10.0), 10.0));
     }
 

@@ -16,20 +16,26 @@ use crate::sweep::sweep;
 pub(super) struct SweepArguments {
     /// Problem file
     file: PathBuf,
-    /// Steps to sweep with, in degrees (mm for prismatic joints), one for all joints [default: the file's]
+    /// Steps to sweep with, in degrees, each for all revolute joints [default: those with published counts, else the
+    /// file's]
     #[arg(long, short, value_delimiter = ',')]
     step: Vec<f64>,
 }
 
 pub(super) fn run(arguments: &SweepArguments, screen: &mut Screen) -> Result<(), Failure> {
     let file = Problem::read(&arguments.file)?;
-    let problems = if arguments.step.is_empty() {
-        vec![(String::from("file"), file)]
+    let mut steps: Vec<f64> = arguments.step.iter().map(|step| step.to_radians()).collect();
+    if steps.is_empty() {
+        steps = file.published.iter().map(|published| published.step).collect();
+    }
+    let problems = if steps.is_empty() {
+        vec![(None, file)]
     } else {
-        let with_step = |&step: &f64| {
-            Ok((step.to_string(), file.clone().with_step(step).map_err(|error| Failure::Usage(error.to_string()))?))
+        let with_step = |&step: &f64| match file.with_step(step) {
+            Ok(problem) => Ok((Some(step), problem)),
+            Err(error) => Err(Failure::Usage(error.to_string())),
         };
-        arguments.step.iter().map(with_step).collect::<Result<Vec<_>, Failure>>()?
+        steps.iter().map(with_step).collect::<Result<Vec<_>, Failure>>()?
     };
     let mut rows = Vec::new();
     let mut documents = Vec::new();
@@ -42,18 +48,30 @@ pub(super) fn run(arguments: &SweepArguments, screen: &mut Screen) -> Result<(),
         let Problem { robot, camera, target, space, visibility, .. } = problem;
         let (views, rejected) = visible_views(robot, camera, target, visibility, space, &found.candidates);
         let in_zone = found.inside + found.edge;
+        let published = step
+            .and_then(|step| problem.published.iter().find(|published| (published.step - step).abs() < 1e-9 * step));
+        let degrees = step.map(|step| (step.to_degrees() * 1e9).round() / 1e9);
+        let or_dash = |count: Option<usize>| count.map_or("-".into(), grouped);
         rows.push(
-            [step.clone(), grouped(found.swept), grouped(found.inside), grouped(found.edge), grouped(in_zone)]
-                .into_iter()
-                .chain([grouped(views.len()), format!("{:.1}", seconds * 1e3)])
-                .collect(),
+            [
+                degrees.map_or("file's".into(), |step| step.to_string()),
+                grouped(found.swept),
+                grouped(found.inside),
+                grouped(found.edge),
+                grouped(in_zone),
+            ]
+            .into_iter()
+            .chain([or_dash(published.map(|p| p.swept)), or_dash(published.map(|p| p.in_zone))])
+            .chain([grouped(views.len()), format!("{:.1}", seconds * 1e3)])
+            .collect(),
         );
         documents.push(json!({
-            "step": step.parse::<f64>().ok(),
+            "step_deg": degrees,
             "swept": found.swept,
             "axis_inside": found.inside,
             "axis_edge": found.edge,
             "axis_outside": found.outside(),
+            "published": published.map(|p| json!({ "swept": p.swept, "in_zone": p.in_zone })),
             "candidates": found.candidates.len(),
             "kept": views.len(),
             "rejected": Rejection::ALL.iter().zip(rejected).map(|(r, n)| (r.name(), n)).collect::<std::collections::BTreeMap<_, _>>(),
@@ -68,6 +86,6 @@ pub(super) fn run(arguments: &SweepArguments, screen: &mut Screen) -> Result<(),
         "sweeps": documents,
     });
     screen.document(&document.to_string())?;
-    let header = ["step", "Q", "inside", "edge", "Q*", "see the board", "time [ms]"];
+    let header = ["step", "Q", "inside", "edge", "Q*", "published Q", "published Q*", "see the board", "time [ms]"];
     screen.text(&format!("{}\n\n{}", first.name, table(&header, &rows)))
 }

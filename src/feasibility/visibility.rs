@@ -12,10 +12,12 @@ use crate::target::Target;
 /// What a view must satisfy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VisibilityLimits {
-    /// Least distance in px of every corner from the image border.
+    /// Least distance in px of every corner from the outermost pixel centres.
     pub margin: f64,
     /// Greatest angle in rad between the board's normal and the direction from the board to the camera.
     pub max_incidence: f64,
+    /// Greatest angle in rad between the board's normal and the optical axis.
+    pub max_tilt: f64,
     /// Least distance in m from the camera to the board's centre.
     pub min_distance: f64,
     /// Greatest distance in m from the camera to the board's centre.
@@ -40,8 +42,7 @@ pub struct View {
 impl View {
     /// Angle in rad between the optical axis and the board's normal; 0 when they are parallel.
     pub fn tilt(&self) -> f64 {
-        let normal_C = self.X_CT.rotation * Vector3::z();
-        (-normal_C.z).clamp(-1.0, 1.0).acos()
+        cos_tilt(&self.X_CT).clamp(-1.0, 1.0).acos()
     }
 
     /// Distance in m from the camera to the board's centre.
@@ -66,6 +67,8 @@ pub enum Rejection {
     Distance,
     /// The board is seen at too flat an angle.
     Incidence,
+    /// The board is tilted too far against the optical axis.
+    Tilt,
     /// A corner is behind the camera or where the lens model is not one-to-one.
     BeyondLens,
     /// A corner is outside the image or in its margin.
@@ -76,10 +79,11 @@ pub enum Rejection {
 
 impl Rejection {
     /// Every reason, in the order of the checks.
-    pub const ALL: [Rejection; 6] = [
+    pub const ALL: [Rejection; 7] = [
         Rejection::BackSide,
         Rejection::Distance,
         Rejection::Incidence,
+        Rejection::Tilt,
         Rejection::BeyondLens,
         Rejection::OutsideImage,
         Rejection::CornerSpacing,
@@ -91,6 +95,7 @@ impl Rejection {
             Rejection::BackSide => "back_side",
             Rejection::Distance => "distance",
             Rejection::Incidence => "incidence",
+            Rejection::Tilt => "tilt",
             Rejection::BeyondLens => "beyond_lens",
             Rejection::OutsideImage => "outside_image",
             Rejection::CornerSpacing => "corner_spacing",
@@ -133,6 +138,11 @@ pub fn visible_views(
     (views, rejected)
 }
 
+/// Cosine of the angle between the optical axis and the board's inward normal.
+fn cos_tilt(X_CT: &Pose) -> f64 {
+    -(X_CT.rotation * Vector3::z()).z
+}
+
 fn rejection(
     camera: &Camera,
     target: &Target,
@@ -152,6 +162,9 @@ fn rejection(
     }
     if cos_incidence < limits.max_incidence.cos() {
         return Some(Rejection::Incidence);
+    }
+    if cos_tilt(X_CT) < limits.max_tilt.cos() {
+        return Some(Rejection::Tilt);
     }
     let columns = target.board.columns;
     let mut pixels = Vec::with_capacity(corners.len());

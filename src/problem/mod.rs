@@ -50,6 +50,8 @@ pub struct Problem {
     pub target: Target,
     /// The joint configurations to sweep.
     pub space: JointSpace,
+    /// What others published of the sweep at various steps.
+    pub published: Vec<PublishedSweep>,
     /// The axis test.
     pub axis: AxisRule,
     /// What a view must satisfy.
@@ -62,6 +64,17 @@ pub struct Problem {
     pub selection: SelectionSettings,
     /// Folder for the plan, relative to the working directory.
     pub output: PathBuf,
+}
+
+/// Published counts of a sweep with one step for all joints.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PublishedSweep {
+    /// The step in rad.
+    pub step: f64,
+    /// Configurations.
+    pub swept: usize,
+    /// Those whose optical axis meets the zone.
+    pub in_zone: usize,
 }
 
 /// What to select, and how.

@@ -205,16 +205,33 @@ pub(super) struct Sweep {
     /// Where the optical axis must go: "any" keeps all configurations, "zone" those whose axis meets the zone.
     #[serde(default = "any_axis")]
     pub(super) axis: Named<AxisRule>,
+    /// Counts that others published for this sweep; `calipose sweep` shows them beside its own.
+    #[serde(default)]
+    pub(super) published: Vec<Published>,
+}
+
+/// Published counts of a sweep.
+#[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Published {
+    /// Step of all joints in degrees.
+    pub(super) step_deg: f64,
+    /// Number of configurations.
+    pub(super) swept: u64,
+    /// Number of those whose optical axis meets the zone.
+    pub(super) in_zone: u64,
 }
 
 /// What a view must satisfy besides showing every corner.
 #[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct Visibility {
-    /// Least distance of every corner from the image border, in px.
+    /// Least distance of every corner from the centres of the outermost pixels, in px.
     pub(super) margin_px: f64,
     /// Greatest angle between the board's normal and the direction to the camera, in degrees.
     pub(super) max_incidence_deg: f64,
+    /// Greatest angle between the board's normal and the optical axis, in degrees.
+    pub(super) max_tilt_deg: f64,
     /// Least distance from the camera to the board's centre, in mm.
     pub(super) min_distance_mm: f64,
     /// Greatest distance from the camera to the board's centre, in mm.
@@ -299,7 +316,8 @@ impl Default for Visibility {
     fn default() -> Self {
         Self {
             margin_px: 5.0,
-            max_incidence_deg: 70.0,
+            max_incidence_deg: 80.0,
+            max_tilt_deg: 70.0,
             min_distance_mm: 0.0,
             max_distance_mm: 100_000.0,
             min_corner_spacing_px: 5.0,

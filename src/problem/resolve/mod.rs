@@ -46,6 +46,7 @@ pub(super) fn resolve(
     let selection = check.selection(&file.selection);
     // The size of the sweep means something only once the limits do.
     let space = robot.as_ref().and_then(|robot| check.space(&file.sweep, &robot.chain.joints));
+    let published = check.published(&file.sweep);
     if let Some(space) = &space {
         let path = KeyPath::section("selection").key("count");
         check.number(&path, selection.count as f64, Allowed::between(1.0, space.len() as f64));
@@ -58,6 +59,7 @@ pub(super) fn resolve(
             camera,
             target,
             space,
+            published,
             axis: file.sweep.axis.0,
             visibility,
             noise,
@@ -160,6 +162,9 @@ impl Check<'_, '_> {
             margin: self.number(&at.key("margin_px"), visibility.margin_px, NOT_NEGATIVE),
             max_incidence: self
                 .angle(&at.key("max_incidence_deg"), visibility.max_incidence_deg, Allowed::positive(90.0))
+                .min(PI / 2.0),
+            max_tilt: self
+                .angle(&at.key("max_tilt_deg"), visibility.max_tilt_deg, Allowed::positive(90.0))
                 .min(PI / 2.0),
             min_distance,
             max_distance: self.length(max_distance, visibility.max_distance_mm, allowed),

@@ -4,7 +4,7 @@ use super::Check;
 use crate::problem::document::KeyPath;
 use crate::problem::fault::{Allowed, Reason};
 use crate::problem::shape::NumberOrList;
-use crate::problem::{most_configurations, schema};
+use crate::problem::{PublishedSweep, most_configurations, schema};
 use crate::robot::{Joint, JointKind, Limits};
 use crate::sweep::{HaltonSample, JointGrid, JointSpace};
 
@@ -50,6 +50,18 @@ impl Check<'_, '_> {
             self.fault(&path, Reason::TooManyConfigurations { configurations: space.len(), most });
         }
         (self.faults.len() == faults).then_some(space)
+    }
+
+    /// The published counts.
+    pub(super) fn published(&mut self, sweep: &schema::Sweep) -> Vec<PublishedSweep> {
+        let at = KeyPath::section("sweep").key("published");
+        let counts = sweep.published.iter().enumerate();
+        let resolve = |(i, published): (usize, &schema::Published)| PublishedSweep {
+            step: self.angle(&at.at(i).key("step_deg"), published.step_deg, STEP),
+            swept: published.swept as usize,
+            in_zone: published.in_zone as usize,
+        };
+        counts.map(resolve).collect()
     }
 
     /// Fills in the steps (rad or m) of the joints of one kind.
