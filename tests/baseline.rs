@@ -39,7 +39,7 @@ fn ten_poses_beat_eighty_clustered_and_twenty_beat_a_hundred_and_twenty() {
     }
 }
 
-/// The default method's certified efficiencies are at least `floors`.
+/// The default method's certified efficiencies, to three digits as given, are at least those of an independent prototype.
 fn certified(criterion: Criterion, floors: [(usize, f64); 4]) {
     let (problem, survey) = surveyed(criterion);
     let chooser = Chooser::new(&problem, &survey);
@@ -48,22 +48,19 @@ fn certified(criterion: Criterion, floors: [(usize, f64); 4]) {
         let (choice, certificate) = chooser.best(count, problem.selection.seed).unwrap();
         let efficiency = certificate.efficiency(choice.log_value);
         println!("{} k = {count}: {efficiency:.5}, floor {floor}", criterion.name());
-        if efficiency < floor {
+        if efficiency < floor - 0.0005 {
             missed.push((count, efficiency, floor));
         }
     }
     assert!(missed.is_empty(), "{missed:?}");
 }
 
-/// The floors are an independent prototype's efficiencies.
 #[test]
 fn efficiency_of_d() {
     certified(Criterion::D, [(8, 0.989), (10, 0.994), (15, 0.998), (20, 0.997)]);
 }
 
-/// The floors are the prototype's for 15 and 20 poses. With 8 and 10 it reached 0.974 and 0.979 on a slightly other set
-/// of candidates (4 581 views, here 4 621); on this one 0.9465 and 0.9753 are what was measured.
 #[test]
 fn efficiency_of_v() {
-    certified(Criterion::V, [(8, 0.946), (10, 0.975), (15, 0.990), (20, 0.993)]);
+    certified(Criterion::V, [(8, 0.974), (10, 0.979), (15, 0.990), (20, 0.993)]);
 }
