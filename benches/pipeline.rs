@@ -1,7 +1,6 @@
 //! How long each stage takes: `cargo bench`.
 
-#![allow(missing_docs)] // criterion_group! makes functions
-#![allow(non_snake_case)]
+#![allow(missing_docs, non_snake_case, clippy::expect_used, reason = "a benchmark")]
 
 use std::hint::black_box;
 use std::path::Path;

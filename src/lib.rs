@@ -1,6 +1,58 @@
 //! Plans the robot poses that calibrate a camera best, and certifies how far from optimal they can be.
-#![allow(non_snake_case, mixed_script_confusables, uncommon_codepoints, confusable_idents)]
+//!
+//! # The pipeline
+//!
+//! ```text
+//! problem file → models → sweep → feasibility → information → selection → plan
+//! ```
+//!
+//! 1. [`sweep`]: forward kinematics of every joint configuration; which optical axes meet the marker zone.
+//! 2. [`feasibility`]: from which of them the camera sees the whole board.
+//! 3. [`information`]: what each view would teach about the camera's intrinsics (Fisher information).
+//! 4. [`selection`]: the k views that together teach most, and a certificate that bounds every other choice.
+//! 5. [`mod@plan`]: the poses, their predicted accuracy, and the files.
+//!
+//! ```
+//! use std::path::Path;
+//!
+//! use calipose::plan::{Chooser, survey};
+//! use calipose::problem::Problem;
+//!
+//! let problem = Problem::read(Path::new("problems/servosila-engineer.toml"))?;
+//! let coarse = problem.with_step(20f64.to_radians())?;
+//! let survey = survey(&coarse, &|_| {})?;
+//! let (choice, certificate) = Chooser::new(&coarse, &survey).best(10, 0)?;
+//! assert_eq!(choice.selected.len(), 10);
+//! assert!(certificate.efficiency(choice.log_value) > 0.9);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Conventions
+//!
+//! - **Frames**: B robot base, F flange, C camera (x right, y down, z forward, as in OpenCV), T target (origin at the
+//!   board's centre, x along its columns, y along its rows, z out of its printed side). `X_AB` is the pose of B in A and maps
+//!   B's coordinates to A's; adjacent letters cancel: `X_CT = X_BC⁻¹ · X_BT`.
+//! - **Units**: metres, radians and pixels inside. Problem files have their units in the keys; they are converted in
+//!   `problem` alone.
+//! - **Pixels**: (0, 0) is the centre of the top-left pixel.
+//! - **Intrinsics** θ: `fx fy cx cy`, then the lens's coefficients in OpenCV's order.
+//! - **Tangents**: rotation first, `(ω, v)`; see [`spatial::perturb`].
+//! - **Determinism**: the same problem file and seed give the same plan, byte for byte, on any number of threads.
+//!
+//! # Modules
+//!
+//! A module imports only from those before it: [`spatial`], [`camera`], [`target`], [`robot`], [`sweep`], [`feasibility`],
+//! [`information`], [`selection`], [`problem`], [`mod@plan`], [`cli`]. The stages up to `selection` know no files and no
+//! command line; `selection` knows no robots and no cameras either.
+#![allow(
+    non_snake_case,
+    mixed_script_confusables,
+    uncommon_codepoints,
+    confusable_idents,
+    reason = "mathematics reads like its source: X_CT, M_i, θ"
+)]
 
+pub mod calibration;
 pub mod camera;
 pub mod cli;
 pub mod feasibility;
@@ -12,3 +64,4 @@ pub mod selection;
 pub mod spatial;
 pub mod sweep;
 pub mod target;
+pub mod verification;

@@ -1,5 +1,7 @@
 //! Modules import only from those above them, and file formats and the terminal stay out of the mathematics.
 
+#![allow(clippy::unwrap_used)]
+
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 

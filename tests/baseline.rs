@@ -3,6 +3,8 @@
 //! The claims are about predictions on the shipped Servosila problem, whose camera, board and noise are assumed. They do
 //! not prove that a camera calibrated from the plan is that good; that takes simulated or real images.
 
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
+
 use std::path::Path;
 
 use calipose::information::Criterion;

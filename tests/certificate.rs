@@ -3,7 +3,7 @@
 //! What this does not prove: anything about large instances, where nobody knows the optimum. There the bound rests on
 //! being the same few lines of arithmetic as here.
 
-#![allow(non_snake_case)]
+#![allow(non_snake_case, clippy::unwrap_used)]
 
 use calipose::information::packed::pack;
 use calipose::information::{InformationError, InformationSet};

@@ -1,5 +1,7 @@
 //! Every command does what its help says, as someone new to it would try: output, files and exit codes.
 
+#![allow(clippy::unwrap_used)]
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 

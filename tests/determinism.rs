@@ -1,5 +1,7 @@
 //! The same problem file and seed give the same plan, byte for byte, on any number of threads.
 
+#![allow(clippy::unwrap_used)]
+
 use std::path::Path;
 use std::process::Command;
 

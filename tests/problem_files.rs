@@ -218,7 +218,7 @@ fn the_schema_describes_every_key() {
 
 #[test]
 fn the_reference_names_every_key() {
-    let reference = std::fs::read_to_string("docs/problem-file.md").unwrap();
+    let reference = std::fs::read_to_string("docs/src/problem-file.md").unwrap();
     for (key, property) in properties(&schema_json()) {
         let named =
             [format!("`{key}`"), format!("`{key} "), format!(" {key} "), format!(" {key}`"), format!("{key}]`")];

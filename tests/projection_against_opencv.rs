@@ -2,7 +2,7 @@
 //!
 //! The golden file is written by the script beside it. It cannot tell whether OpenCV's models fit a real lens.
 
-#![allow(non_snake_case, mixed_script_confusables)]
+#![allow(non_snake_case, mixed_script_confusables, clippy::unwrap_used)]
 
 use calipose::camera::{Camera, Lens};
 use calipose::information::Measurement;

@@ -90,6 +90,7 @@ impl Lens {
     }
 
     /// As [`Lens::distort`], with derivatives by `p` and by the coefficients.
+    #[inline]
     pub(super) fn distort_with_derivatives(self, p: &Vector3<f64>, k: &[f64], reach: f64) -> Option<Distorted> {
         if self == Lens::KannalaBrandt {
             return fisheye_with_derivatives(p, k, reach);
@@ -182,6 +183,7 @@ struct Radial {
 
 impl Radial {
     /// `k` in OpenCV's order, `k1 k2 p1 p2 k3 k4 k5 k6`; zeros where a model has fewer.
+    #[inline]
     fn at(r2: f64, k: &[f64]) -> Self {
         let numerator = 1.0 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]));
         let denominator = 1.0 + r2 * (k[5] + r2 * (k[6] + r2 * k[7]));
@@ -250,11 +252,17 @@ fn fisheye_with_derivatives(p: &Vector3<f64>, k: &[f64], reach: f64) -> Option<D
 /// fine enough for polynomials of this degree, then bisected.
 fn first_zero(end: f64, f: impl Fn(f64) -> f64) -> f64 {
     const STEPS: i32 = 4000;
-    let at = |i: i32| end * (1e-3f64 / end).powf(1.0 - f64::from(i) / f64::from(STEPS));
-    let Some(i) = (0..=STEPS).find(|&i| f(at(i)) <= 0.0) else {
-        return if end > std::f64::consts::PI { f64::INFINITY } else { end };
-    };
-    let (mut low, mut high) = (if i == 0 { 0.0 } else { at(i - 1) }, at(i));
+    const START: f64 = 1e-3;
+    let ratio = (end / START).powf(1.0 / f64::from(STEPS));
+    let (mut low, mut high, mut steps) = (0.0, START, 0);
+    while f(high) > 0.0 {
+        if steps == STEPS {
+            return if end > std::f64::consts::PI { f64::INFINITY } else { end };
+        }
+        low = high;
+        high *= ratio;
+        steps += 1;
+    }
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         if f(middle) > 0.0 { low = middle } else { high = middle }

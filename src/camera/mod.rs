@@ -119,6 +119,14 @@ impl Camera {
         Self::new(self.lens, self.width, self.height, intrinsics)
     }
 
+    /// The same camera with other intrinsics and its lens model continued past the fold: what an optimiser needs
+    /// between its start and its end, where a cost that jumps would only hide the way.
+    ///
+    /// Takes the parameters unchecked; entries beyond the model's are not read.
+    pub(crate) fn extrapolated(&self, intrinsics: &[f64; MAX_INTRINSICS]) -> Self {
+        Self { intrinsics: *intrinsics, reach: f64::INFINITY, ..*self }
+    }
+
     /// The lens model.
     pub fn lens(&self) -> Lens {
         self.lens
@@ -153,6 +161,7 @@ impl Camera {
     }
 
     /// The pixel of point `p_C` (m) with its derivatives, or `None` where [`Camera::project`] gives none.
+    #[inline]
     pub fn project_with_derivatives(&self, p_C: &Point3<f64>) -> Option<Projection> {
         let [fx, fy, cx, cy, ref coefficients @ ..] = self.intrinsics;
         let d = self.lens.distort_with_derivatives(&p_C.coords, coefficients, self.reach)?;

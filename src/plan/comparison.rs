@@ -34,7 +34,8 @@ pub struct Comparison {
 pub struct Equivalent {
     /// The clustering.
     pub method: Method,
-    /// Least number tried whose median map error is no larger than the plan's; `None` if none was within the limit.
+    /// Least number found, to a twentieth, whose median map error is no larger than the plan's; `None` if none was within
+    /// the limit.
     pub poses: Option<usize>,
     /// The greatest number tried.
     pub tried: usize,
@@ -71,8 +72,8 @@ pub fn compare(
     Ok(Comparison { rows, seeds })
 }
 
-/// Grows the number of poses clustered by `method` by a twentieth at a time until their median map error is at most
-/// `map_error`, up to `limit` poses.
+/// How many poses clustered by `method` have a median map error of at most `map_error`: grows the number from `start` by
+/// half at a time, up to `limit`, then halves the interval down to a twentieth.
 ///
 /// # Errors
 /// When a clustering fails.
@@ -85,17 +86,22 @@ pub fn equivalent_kmeans(
     seed: u64,
     seeds: usize,
 ) -> Result<Equivalent, PlanError> {
-    let mut count = start.min(limit);
-    loop {
-        let (choice, _) = median_choice(chooser, method, count, seed, seeds)?;
-        if choice.map_error <= map_error {
-            return Ok(Equivalent { method, poses: Some(count), tried: count });
-        }
-        if count == limit {
+    let suffices = |count: usize| -> Result<bool, PlanError> {
+        Ok(median_choice(chooser, method, count, seed, seeds)?.0.map_error <= map_error)
+    };
+    let (mut short, mut enough) = (0, start.min(limit));
+    while !suffices(enough)? {
+        if enough == limit {
             return Ok(Equivalent { method, poses: None, tried: limit });
         }
-        count = (count + (count / 20).max(1)).min(limit);
+        short = enough;
+        enough = (enough + enough.div_ceil(2)).min(limit);
     }
+    while enough - short > (enough / 20).max(1) {
+        let middle = usize::midpoint(short, enough);
+        if suffices(middle)? { enough = middle } else { short = middle }
+    }
+    Ok(Equivalent { method, poses: Some(enough), tried: enough })
 }
 
 fn median_choice(

@@ -24,7 +24,7 @@ pub fn kmeans(features: &[Vec<f64>], count: usize, seed: u64) -> Result<Vec<usiz
     let model = KMeans::params_with_rng(count, Xoshiro256Plus::seed_from_u64(seed))
         .n_runs(1)
         .max_n_iterations(300)
-        .tolerance(1e-6)
+        .tolerance(1e-4)
         .fit(&DatasetBase::from(table))
         .map_err(|error| ClusteringError(error.to_string()))?;
     let mut taken = vec![false; features.len()];

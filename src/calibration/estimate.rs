@@ -1,0 +1,138 @@
+//! The result of a calibration with its statistics.
+
+use nalgebra::{DMatrix, Point3, Vector2};
+
+use super::observability::inverse_information;
+use super::observations::{Corner, Observations};
+use super::refinement::{Convergence, Refined};
+use super::{CalibrationError, CalibrationSettings, Loss};
+use crate::camera::Camera;
+use crate::spatial::Pose;
+
+/// A calibrated camera, the poses of its views, and how well they are known.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Calibration {
+    /// The camera.
+    pub camera: Camera,
+    /// `X_CT` of each view.
+    pub poses: Vec<Pose>,
+    /// The intrinsics that were estimated, as indices into [`Camera::intrinsics`].
+    pub estimated: Vec<usize>,
+    /// Covariance of the estimated intrinsics, p×p in the order of `estimated`: `sigma²` times the inverse of the
+    /// information left after the poses. For a robust loss the weighted equations' information: exact without
+    /// outliers in the limit of a wide scale.
+    pub covariance: DMatrix<f64>,
+    /// Estimated standard deviation of one pixel coordinate, px: from the cost and its degrees of freedom for
+    /// [`Loss::Squared`], else from the median residual.
+    pub sigma: f64,
+    /// Root mean square length of all residuals, px; OpenCV's reprojection error.
+    pub rms: f64,
+    /// The same for each view.
+    pub view_rms: Vec<f64>,
+    /// Corners that do not fit, worst first.
+    pub outliers: Vec<Outlier>,
+    /// How the refinement ended.
+    pub convergence: Convergence,
+}
+
+/// A corner that does not fit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outlier {
+    /// The view, from 0.
+    pub view: usize,
+    /// The corner's index on the board.
+    pub index: usize,
+    /// Projection less detection, px.
+    pub residual: Vector2<f64>,
+    /// Length of the residual over the standard deviation of one coordinate, taken from the median residual.
+    pub standardised: f64,
+}
+
+pub(super) fn summarise(
+    observations: &Observations,
+    refined: Refined,
+    estimated: &[usize],
+    settings: &CalibrationSettings,
+) -> Result<Calibration, CalibrationError> {
+    let Refined { start, convergence, information } = refined;
+    let information = information.ok_or(CalibrationError::UnobservablePose)?;
+    let residuals = residuals(observations, &start.camera, &start.poses);
+    let squares: Vec<f64> = residuals.iter().flatten().map(Vector2::norm_squared).collect();
+    let unknown = (estimated.len() + 6 * start.poses.len()) as f64;
+    let measured = 2.0 * squares.len() as f64;
+    // Without excess measurements there are no residuals to speak of.
+    let excess = (measured - unknown).max(1.0);
+    let robust_sigma = median(&squares).map_or(0.0, |median| {
+        // |r|²/σ² of two coordinates has the median 2 ln 2; the fit takes its share of the noise.
+        (median / (2.0 * std::f64::consts::LN_2) * measured / excess).sqrt()
+    });
+    let total: f64 = squares.iter().sum();
+    let sigma = match settings.refinement.loss {
+        Loss::Squared => (total / excess).sqrt(),
+        Loss::Huber { .. } | Loss::Cauchy { .. } => robust_sigma,
+    };
+    let p = estimated.len();
+    let S = DMatrix::from_fn(p, p, |i, j| {
+        let (a, b) = (estimated[i], estimated[j]);
+        information[a.min(b)][a.max(b)]
+    });
+    let inverse = inverse_information(&S, estimated, &start.camera, &start.poses, sigma)?;
+    let camera = start.camera.with_intrinsics(start.camera.intrinsics())?;
+    check_fold(observations, &camera, &start.poses)?;
+    Ok(Calibration {
+        camera,
+        estimated: estimated.to_vec(),
+        covariance: inverse * (sigma * sigma),
+        sigma,
+        rms: (total / squares.len() as f64).sqrt(),
+        view_rms: residuals
+            .iter()
+            .map(|view| (view.iter().map(Vector2::norm_squared).sum::<f64>() / view.len() as f64).sqrt())
+            .collect(),
+        outliers: outliers(observations, &residuals, robust_sigma, settings.outlier_threshold),
+        poses: start.poses,
+        convergence,
+    })
+}
+
+/// Projection less detection of every corner, px; not finite where there is no projection.
+fn residuals(observations: &Observations, camera: &Camera, poses: &[Pose]) -> Vec<Vec<Vector2<f64>>> {
+    let residual = |corner: &Corner, X_CT: &Pose| {
+        let p_C = X_CT * Point3::from(observations.on_board(corner).push(0.0));
+        camera.project(&p_C).map_or(Vector2::repeat(f64::NAN), |pixel| pixel - corner.pixel)
+    };
+    let views = observations.views().iter().zip(poses);
+    views.map(|(view, X_CT)| view.iter().map(|corner| residual(corner, X_CT)).collect()).collect()
+}
+
+fn check_fold(observations: &Observations, camera: &Camera, poses: &[Pose]) -> Result<(), CalibrationError> {
+    for (view, (corners, X_CT)) in observations.views().iter().zip(poses).enumerate() {
+        for corner in corners {
+            if camera.project(&(X_CT * Point3::from(observations.on_board(corner).push(0.0)))).is_none() {
+                return Err(CalibrationError::FoldedLens { view, index: corner.index });
+            }
+        }
+    }
+    Ok(())
+}
+
+fn outliers(observations: &Observations, residuals: &[Vec<Vector2<f64>>], sigma: f64, threshold: f64) -> Vec<Outlier> {
+    let mut outliers = Vec::new();
+    for (view, (corners, residuals)) in observations.views().iter().zip(residuals).enumerate() {
+        for (corner, residual) in corners.iter().zip(residuals) {
+            // Where more than half the residuals are rounding, so is the deviation.
+            let standardised = residual.norm() / sigma.max(1e-9);
+            if standardised > threshold {
+                outliers.push(Outlier { view, index: corner.index, residual: *residual, standardised });
+            }
+        }
+    }
+    outliers.sort_by(|a, b| b.standardised.total_cmp(&a.standardised));
+    outliers
+}
+
+fn median(values: &[f64]) -> Option<f64> {
+    let mut values = values.to_vec();
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}

@@ -1,0 +1,251 @@
+//! The normal equations of a calibration: an arrow.
+//!
+//! With `r_i` the residuals of view i (px), `A_i` their derivative by the intrinsics (2m×p) and `B_i` by the view's own
+//! pose (2m×6), both weighted by the loss,
+//!
+//! ```text
+//!     [ U    W_1 … W_k ] [δθ ]     [g_θ]      U   = Σ A_iᵀA_i   p×p
+//!     [ W_1ᵀ V_1       ] [ξ_1]     [g_1]      W_i = A_iᵀB_i     p×6
+//!     [  ⋮        ⋱    ] [ ⋮ ] = − [ ⋮ ]      V_i = B_iᵀB_i     6×6
+//!     [ W_kᵀ       V_k ] [ξ_k]     [g_k]      g   = gradient of half the cost
+//! ```
+//!
+//! so that `δθ` follows from the p×p Schur complement `S = U − Σ W_i V_i⁻¹ W_iᵀ` and each `ξ_i` from `δθ`.
+
+use nalgebra::Vector2;
+
+use super::factor::Factor;
+use super::loss::Loss;
+use crate::camera::Camera;
+use crate::spatial::{Pose, Tangent};
+
+/// A corner as the equations need it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Measurement {
+    /// Position on the board, m.
+    pub(super) point: Vector2<f64>,
+    /// Where it was seen, px.
+    pub(super) pixel: Vector2<f64>,
+}
+
+/// The measurements of all views in one row, with each view's end.
+#[derive(Debug)]
+pub(super) struct Measurements {
+    pub(super) all: Vec<Measurement>,
+    pub(super) ends: Vec<usize>,
+}
+
+impl Measurements {
+    pub(super) fn views(&self) -> impl Iterator<Item = &[Measurement]> {
+        let mut start = 0;
+        self.ends.iter().map(move |&end| &self.all[std::mem::replace(&mut start, end)..end])
+    }
+}
+
+/// The blocks that one view adds, upper triangles of the symmetric ones; rows of `W` are intrinsics.
+#[derive(Debug, Clone)]
+struct ViewBlocks<const P: usize> {
+    V: [[f64; 6]; 6],
+    W: [[f64; 6]; P],
+    g: [f64; 6],
+}
+
+/// The blocks of the arrow at one point.
+#[derive(Debug, Clone)]
+pub(super) struct NormalEquations<const P: usize> {
+    U: [[f64; P]; P],
+    g: [f64; P],
+    views: Vec<ViewBlocks<P>>,
+    is_estimated: [bool; P],
+}
+
+/// A step from the equations' point, and the workspace to find it.
+#[derive(Debug, Clone)]
+pub(super) struct Step<const P: usize> {
+    pub(super) δθ: [f64; P],
+    pub(super) ξ: Vec<Tangent>,
+    /// What the quadratic model says the step takes off the cost, px².
+    pub(super) predicted: f64,
+    /// `−gᵀδ`, px²: the squared length of the step in residuals where there is no damping.
+    pub(super) decrement: f64,
+    rhs: [f64; P],
+    eliminated: Vec<Eliminated<P>>,
+}
+
+/// A view eliminated: `V = L Lᵀ`, `X = W L⁻ᵀ` (rows are intrinsics) and `y = −L⁻¹g`.
+#[derive(Debug, Clone)]
+struct Eliminated<const P: usize> {
+    L: Factor<6>,
+    X: [[f64; 6]; P],
+    y: [f64; 6],
+}
+
+impl<const P: usize> NormalEquations<P> {
+    pub(super) fn new(views: usize, is_estimated: [bool; P]) -> Self {
+        let blocks = ViewBlocks { V: [[0.0; 6]; 6], W: [[0.0; 6]; P], g: [0.0; 6] };
+        Self { U: [[0.0; P]; P], g: [0.0; P], views: vec![blocks; views], is_estimated }
+    }
+
+    /// Sums the blocks at `camera` and `poses` and returns the cost, px²; infinite where a corner has no image.
+    #[allow(clippy::needless_range_loop, reason = "the indices are the algorithm")]
+    pub(super) fn sum(&mut self, measurements: &Measurements, camera: &Camera, poses: &[Pose], loss: Loss) -> f64 {
+        self.U = [[0.0; P]; P];
+        self.g = [0.0; P];
+        let mut cost = 0.0;
+        for ((blocks, view), X_CT) in self.views.iter_mut().zip(measurements.views()).zip(poses) {
+            *blocks = ViewBlocks { V: [[0.0; 6]; 6], W: [[0.0; 6]; P], g: [0.0; 6] };
+            let R = X_CT.rotation.to_rotation_matrix().into_inner();
+            for measurement in view {
+                // From the board's origin to the corner, in C.
+                let arm = R.column(0) * measurement.point.x + R.column(1) * measurement.point.y;
+                let Some(projection) = camera.project_with_derivatives(&(arm + X_CT.translation.vector).into()) else {
+                    return f64::INFINITY;
+                };
+                let r = projection.pixel - measurement.pixel;
+                let (ρ, weight) = loss.at(r.norm_squared());
+                cost += ρ;
+                // Weighted equations: both sides by the root of the weight.
+                let root = weight.sqrt();
+                let mut a = [[0.0; P]; 2];
+                let mut b = [[0.0; 6]; 2];
+                for row in 0..2 {
+                    for j in 0..P {
+                        a[row][j] = root * projection.by_intrinsics[(row, j)];
+                    }
+                    let J = projection.by_point.row(row) * root;
+                    // ∂p_C/∂ω = −[arm]× and ∂p_C/∂v = 1.
+                    b[row] = [
+                        arm.y * J[2] - arm.z * J[1],
+                        arm.z * J[0] - arm.x * J[2],
+                        arm.x * J[1] - arm.y * J[0],
+                        J[0],
+                        J[1],
+                        J[2],
+                    ];
+                }
+                accumulate((&mut self.U, &mut self.g), blocks, &a, &b, [root * r.x, root * r.y]);
+            }
+        }
+        self.hold_fixed();
+        if cost.is_finite() { cost } else { f64::INFINITY }
+    }
+
+    /// Makes the equations of the fixed intrinsics read `δθ_j = 0`.
+    fn hold_fixed(&mut self) {
+        for j in (0..P).filter(|&j| !self.is_estimated[j]) {
+            for i in 0..P {
+                self.U[i][j] = 0.0;
+                self.U[j][i] = 0.0;
+            }
+            self.U[j][j] = 1.0;
+            self.g[j] = 0.0;
+            for blocks in &mut self.views {
+                blocks.W[j] = [0.0; 6];
+            }
+        }
+    }
+
+    /// Solves with every diagonal entry enlarged by the share `λ` (Marquardt 1963) into `step`; false where the damped
+    /// matrix is not positive definite.
+    pub(super) fn solve(&self, λ: f64, step: &mut Step<P>) -> bool {
+        let Some(S) = self.eliminate(λ, step) else { return false };
+        let Some(S) = Factor::of(&S, 0.0) else { return false };
+        step.δθ = S.solve(step.rhs);
+        let damping = |δ: f64, diagonal: f64| λ * δ * δ * diagonal;
+        step.decrement = -dot(&self.g, &step.δθ);
+        let mut damped: f64 = (0..P).map(|j| damping(step.δθ[j], self.U[j][j])).sum();
+        for ((blocks, eliminated), ξ) in self.views.iter().zip(&step.eliminated).zip(&mut step.ξ) {
+            // ξ = V⁻¹(−g − Wᵀδθ) = L⁻ᵀ(y − Xᵀδθ).
+            let mut rest = eliminated.y;
+            for (row, δ) in eliminated.X.iter().zip(&step.δθ) {
+                for (rest, x) in rest.iter_mut().zip(row) {
+                    *rest -= x * δ;
+                }
+            }
+            let solved = eliminated.L.backward(rest);
+            step.decrement -= dot(&blocks.g, &solved);
+            damped += (0..6).map(|j| damping(solved[j], blocks.V[j][j])).sum::<f64>();
+            *ξ = Tangent::from(solved);
+        }
+        step.predicted = step.decrement + damped;
+        step.predicted.is_finite()
+    }
+
+    /// The upper triangle of the Schur complement `S` without damping, unit diagonal at the fixed intrinsics; `None`
+    /// where a view does not fix its own pose.
+    pub(super) fn information(&self) -> Option<[[f64; P]; P]> {
+        self.eliminate(0.0, &mut Step::new(self.views.len()))
+    }
+
+    /// Eliminates the views: with `V = L Lᵀ`, `X = W L⁻ᵀ` and `y = −L⁻¹g`, `S = U − Σ X Xᵀ` (upper triangle, returned)
+    /// and `rhs = −g_θ − Σ X y`.
+    #[allow(clippy::needless_range_loop, reason = "the indices are the algorithm")]
+    fn eliminate(&self, λ: f64, step: &mut Step<P>) -> Option<[[f64; P]; P]> {
+        let mut S = self.U;
+        for j in 0..P {
+            S[j][j] *= 1.0 + λ;
+            step.rhs[j] = -self.g[j];
+        }
+        for (blocks, eliminated) in self.views.iter().zip(&mut step.eliminated) {
+            eliminated.L = Factor::of(&blocks.V, λ)?;
+            eliminated.y = eliminated.L.forward(blocks.g.map(|g| -g));
+            for j in 0..P {
+                eliminated.X[j] = eliminated.L.forward(blocks.W[j]);
+            }
+            for i in 0..P {
+                step.rhs[i] -= dot(&eliminated.X[i], &eliminated.y);
+                for j in i..P {
+                    S[i][j] -= dot(&eliminated.X[i], &eliminated.X[j]);
+                }
+            }
+        }
+        Some(S)
+    }
+}
+
+impl<const P: usize> Step<P> {
+    pub(super) fn new(views: usize) -> Self {
+        let eliminated = Eliminated { L: Factor::ZERO, X: [[0.0; 6]; P], y: [0.0; 6] };
+        Self {
+            δθ: [0.0; P],
+            ξ: vec![Tangent::zeros(); views],
+            predicted: 0.0,
+            decrement: 0.0,
+            rhs: [0.0; P],
+            eliminated: vec![eliminated; views],
+        }
+    }
+}
+
+/// Adds the two rows of a corner's Jacobians, `a` by the intrinsics and `b` by the pose, with their residuals `r`.
+#[inline]
+#[allow(clippy::needless_range_loop, reason = "the indices are the algorithm")]
+fn accumulate<const P: usize>(
+    (U, g): (&mut [[f64; P]; P], &mut [f64; P]),
+    blocks: &mut ViewBlocks<P>,
+    a: &[[f64; P]; 2],
+    b: &[[f64; 6]; 2],
+    r: [f64; 2],
+) {
+    for i in 0..P {
+        let (u, v) = (a[0][i], a[1][i]);
+        for j in i..P {
+            U[i][j] += u * a[0][j] + v * a[1][j];
+        }
+        for j in 0..6 {
+            blocks.W[i][j] += u * b[0][j] + v * b[1][j];
+        }
+        g[i] += u * r[0] + v * r[1];
+    }
+    for i in 0..6 {
+        let (u, v) = (b[0][i], b[1][i]);
+        for j in i..6 {
+            blocks.V[i][j] += u * b[0][j] + v * b[1][j];
+        }
+        blocks.g[i] += u * r[0] + v * r[1];
+    }
+}
+
+fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

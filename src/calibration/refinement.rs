@@ -1,0 +1,186 @@
+//! Levenberg–Marquardt over the intrinsics and all poses.
+
+use super::loss::Loss;
+use super::normal_equations::{Measurement, Measurements, NormalEquations, Step};
+use super::observations::Observations;
+use super::start::Start;
+use crate::camera::{Camera, MAX_INTRINSICS};
+use crate::spatial::perturb;
+
+/// How to refine.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RefinementSettings {
+    /// The loss of a corner's residual. Default: squared.
+    pub loss: Loss,
+    /// Most iterations, tried steps included. Default: 500.
+    pub max_iterations: usize,
+    /// Converged when a full Newton step is shorter than this share of the estimate's standard deviation, in every
+    /// direction of parameter space. Default: 1e-7.
+    pub tolerance: f64,
+}
+
+impl Default for RefinementSettings {
+    fn default() -> Self {
+        Self { loss: Loss::Squared, max_iterations: 500, tolerance: 1e-7 }
+    }
+}
+
+/// How a refinement ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Convergence {
+    /// Whether the gradient vanished to the tolerance; otherwise the iterations ran out or no step improved.
+    pub converged: bool,
+    /// Steps tried.
+    pub iterations: usize,
+    /// Sum of the corners' losses, px².
+    pub cost: f64,
+    /// The squared length, px², that a Newton step from here would move all the residuals; infinite where no step
+    /// was ever short enough to ask.
+    pub decrement: f64,
+}
+
+/// A refined camera with its views and what is known about it.
+#[derive(Debug, Clone)]
+pub(super) struct Refined {
+    pub(super) start: Start,
+    pub(super) convergence: Convergence,
+    /// `S`, of which the model's upper triangle is set; `None` where a view does not fix its own pose.
+    pub(super) information: Option<[[f64; MAX_INTRINSICS]; MAX_INTRINSICS]>,
+}
+
+/// Steps that move all the corners together by less than this, px, are rounding.
+const ROUNDING: f64 = 1e-11;
+
+/// Changes of the cost below this share of it drown in the rounding of its sum.
+const COST_ROUNDING: f64 = 1e-13;
+
+/// Damping of the first step, as a share of the diagonal.
+const FIRST_DAMPING: f64 = 1e-6;
+
+/// Damping to begin with when a step failed that had hardly any.
+const LEAST_DAMPING: f64 = 1e-12;
+
+/// Factor of the damping after a first failure; the second one multiplies by its square and so on, since from
+/// hardly any to enough it may be ten orders.
+const GROWTH: f64 = 10.0;
+
+/// Damping beyond which there is no hope left.
+const HOPELESS_DAMPING: f64 = 1e12;
+
+pub(super) fn refine(
+    observations: &Observations,
+    start: Start,
+    estimated: &[usize],
+    settings: &RefinementSettings,
+) -> Refined {
+    match start.camera.intrinsics().len() {
+        4 => refine_sized::<4>(observations, start, estimated, settings),
+        8 => refine_sized::<8>(observations, start, estimated, settings),
+        9 => refine_sized::<9>(observations, start, estimated, settings),
+        _ => refine_sized::<MAX_INTRINSICS>(observations, start, estimated, settings),
+    }
+}
+
+fn refine_sized<const P: usize>(
+    observations: &Observations,
+    start: Start,
+    estimated: &[usize],
+    settings: &RefinementSettings,
+) -> Refined {
+    let measurements = measurements(observations);
+    let freedoms = estimated.len() + 6 * start.poses.len();
+    let excess = (2 * measurements.all.len()).saturating_sub(freedoms).max(1) as f64;
+    let views = start.poses.len();
+    let is_estimated = std::array::from_fn(|j| estimated.contains(&j));
+    let Start { mut camera, mut poses } = start;
+    let mut equations = NormalEquations::<P>::new(views, is_estimated);
+    let mut trial_equations = equations.clone();
+    let mut trial_poses = poses.clone();
+    let mut step = Step::<P>::new(views);
+
+    let mut cost = equations.sum(&measurements, &camera, &poses, settings.loss);
+    let mut λ = FIRST_DAMPING;
+    let mut growth = GROWTH;
+    let mut last_decrement = f64::INFINITY;
+    let mut convergence = Convergence { converged: false, iterations: 0, cost, decrement: f64::INFINITY };
+    while convergence.iterations < settings.max_iterations && λ < HOPELESS_DAMPING && cost.is_finite() {
+        // A step's length in residuals over their deviation is its length in deviations of the estimate.
+        let negligible = (settings.tolerance * settings.tolerance * cost / excess).max(ROUNDING * ROUNDING);
+        let mut solved = equations.solve(λ, &mut step);
+        if solved && step.decrement <= negligible {
+            // Damping shortens steps; only an undamped one that is short says that the end is here.
+            solved = equations.solve(0.0, &mut step);
+            convergence.decrement = step.decrement;
+            if solved && step.decrement <= negligible {
+                convergence.converged = true;
+                break;
+            }
+        }
+        convergence.iterations += 1;
+        if solved {
+            let trial = moved(&camera, &step);
+            for ((trial, pose), ξ) in trial_poses.iter_mut().zip(&poses).zip(&step.ξ) {
+                *trial = perturb(pose, ξ);
+            }
+            let trial_cost = match trial.intrinsics() {
+                [fx, fy, ..] if *fx > 0.0 && *fy > 0.0 => {
+                    trial_equations.sum(&measurements, &trial, &trial_poses, settings.loss)
+                }
+                _ => f64::INFINITY,
+            };
+            let resolved = step.predicted > COST_ROUNDING * cost;
+            if trial_cost < cost || (!resolved && trial_cost <= cost * (1.0 + COST_ROUNDING)) {
+                let gain = if resolved {
+                    (cost - trial_cost) / step.predicted
+                } else {
+                    // Rounding hides what the step gained; that the next one is shorter must do.
+                    1.0 - step.decrement / last_decrement
+                };
+                // A step that kept its promise may be bolder next time, and near the end Newton's.
+                λ = if gain > 0.75 {
+                    0.01 * λ
+                } else if gain > 0.25 {
+                    0.3 * λ
+                } else {
+                    3.0 * λ.max(LEAST_DAMPING)
+                };
+                growth = GROWTH;
+                last_decrement = step.decrement;
+                cost = trial_cost;
+                camera = trial;
+                std::mem::swap(&mut poses, &mut trial_poses);
+                std::mem::swap(&mut equations, &mut trial_equations);
+                continue;
+            }
+        }
+        λ = λ.max(LEAST_DAMPING) * growth;
+        growth *= GROWTH;
+    }
+    convergence.cost = cost;
+    let information = equations.information().map(|S| {
+        let mut padded = [[0.0; MAX_INTRINSICS]; MAX_INTRINSICS];
+        for (row, padded) in S.iter().zip(&mut padded) {
+            padded[..P].copy_from_slice(row);
+        }
+        padded
+    });
+    Refined { start: Start { camera, poses }, convergence, information }
+}
+
+fn moved<const P: usize>(camera: &Camera, step: &Step<P>) -> Camera {
+    let mut θ = [0.0; MAX_INTRINSICS];
+    for (j, (θ, value)) in θ.iter_mut().zip(camera.intrinsics()).enumerate() {
+        *θ = value + step.δθ[j];
+    }
+    camera.extrapolated(&θ)
+}
+
+fn measurements(observations: &Observations) -> Measurements {
+    let mut all = Vec::with_capacity(observations.corner_count());
+    let mut ends = Vec::with_capacity(observations.views().len());
+    for view in observations.views() {
+        all.extend(view.iter().map(|c| Measurement { point: observations.on_board(c), pixel: c.pixel }));
+        ends.push(all.len());
+    }
+    Measurements { all, ends }
+}

@@ -1,0 +1,382 @@
+//! Many simulated calibrations of one plan.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+use thiserror::Error;
+
+use super::chi_square::deviation_interval;
+use super::simulation::{simulate, trial_seed};
+use crate::calibration::{Calibration, CalibrationError, CalibrationSettings, ObservationError, calibrate};
+use crate::camera::Camera;
+use crate::spatial::Pose;
+use crate::target::Board;
+
+/// Confidence of the intervals.
+const CONFIDENCE: f64 = 0.99;
+
+/// What is simulated.
+#[derive(Debug, Clone, Copy)]
+pub struct Trials<'a> {
+    /// The true camera.
+    pub camera: &'a Camera,
+    /// The board.
+    pub board: &'a Board,
+    /// The true poses `X_CT` of the views.
+    pub poses: &'a [Pose],
+    /// Standard deviation of a pixel coordinate, px.
+    pub sigma: f64,
+    /// The intrinsics to estimate, as indices into [`Camera::intrinsics`]; the calibration knows the others.
+    pub estimated: &'a [usize],
+    /// How each set is calibrated.
+    pub settings: CalibrationSettings,
+    /// Number of simulated sets.
+    pub count: usize,
+    /// Seed of the noise.
+    pub seed: u64,
+}
+
+/// What was predicted for the plan, p×p in the order of `estimated`.
+#[derive(Debug, Clone, Copy)]
+pub struct Prediction<'a> {
+    /// Covariance of the estimated intrinsics.
+    pub covariance: &'a DMatrix<f64>,
+    /// `W`: `√(δᵀWδ)` is the map error, px, of a deviation δ of the estimated intrinsics (MATHEMATICS.md, section 3).
+    pub map_weight: &'a DMatrix<f64>,
+}
+
+/// Why there is nothing to run.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum MonteCarloError {
+    /// A matrix of the prediction is not p×p for the p estimated intrinsics.
+    #[error("the {matrix} is {rows} x {columns}; {expected} intrinsics are estimated")]
+    Shape {
+        /// Which matrix.
+        matrix: &'static str,
+        /// Its rows.
+        rows: usize,
+        /// Its columns.
+        columns: usize,
+        /// Estimated intrinsics.
+        expected: usize,
+    },
+    /// A predicted variance or the noise is not positive.
+    #[error("the {name} is {value}; it must be positive and finite")]
+    NotPositive {
+        /// What it is.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// An estimated intrinsic that the camera does not have.
+    #[error("cannot estimate intrinsic {index} of a camera that has {count}")]
+    Parameter {
+        /// The index given.
+        index: usize,
+        /// Parameters of the model.
+        count: usize,
+    },
+}
+
+/// Why a trial gave no camera.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum TrialFailure {
+    /// The simulated corners cannot be calibrated from.
+    #[error(transparent)]
+    Observations(#[from] ObservationError),
+    /// The calibration failed.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationError),
+    /// The refinement did not converge.
+    #[error("not converged after {iterations} iterations")]
+    NotConverged {
+        /// Steps tried.
+        iterations: usize,
+    },
+}
+
+/// A trial that gave no camera.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Failure {
+    /// The trial, from 0.
+    pub trial: usize,
+    /// The reason.
+    pub reason: TrialFailure,
+}
+
+/// One intrinsic over all trials.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ParameterStatistics {
+    /// Its name.
+    pub name: &'static str,
+    /// Its true value.
+    pub truth: f64,
+    /// Mean of the estimates less the true value.
+    pub bias: f64,
+    /// Standard deviation of the estimates about their mean.
+    pub sampled_sigma: f64,
+    /// The predicted standard deviation.
+    pub predicted_sigma: f64,
+    /// Sampled over predicted.
+    pub ratio: f64,
+    /// 99 % confidence interval of the ratio.
+    pub interval: (f64, f64),
+}
+
+/// The map error over all trials.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MapError {
+    /// Root mean square of the measured map errors, px.
+    pub measured: f64,
+    /// `√tr(W·covariance)`, px.
+    pub predicted: f64,
+    /// The measured map error's standard error, px.
+    pub standard_error: f64,
+}
+
+/// What the trials showed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MonteCarlo {
+    /// Each estimated intrinsic, in the order of `estimated`.
+    pub parameters: Vec<ParameterStatistics>,
+    /// Sampled covariance of the estimates, p×p.
+    pub covariance: DMatrix<f64>,
+    /// The map error.
+    pub map_error: MapError,
+    /// Root mean square of the trials' reprojection errors, px.
+    pub rms: f64,
+    /// Trials run.
+    pub count: usize,
+    /// Trials that gave no camera, in their order.
+    pub failures: Vec<Failure>,
+}
+
+/// Simulates and calibrates `trials.count` sets of images on all cores. Each calibration sees the images and the
+/// intrinsics that are not estimated, nothing else of the truth.
+///
+/// Statistics are NaN where fewer than two trials gave a camera.
+///
+/// `observer` is told the number of trials done, from any thread. The result does not depend on the number of threads.
+///
+/// # Errors
+/// [`MonteCarloError`] when the prediction does not fit the trials. Failed trials are counted, not errors.
+pub fn monte_carlo(
+    trials: &Trials<'_>,
+    prediction: &Prediction<'_>,
+    observer: &(dyn Fn(usize) + Sync),
+) -> Result<MonteCarlo, MonteCarloError> {
+    check(trials, prediction)?;
+    let done = AtomicUsize::new(0);
+    let run = |trial: usize| {
+        let outcome = run_trial(trials, trial);
+        observer(done.fetch_add(1, Ordering::Relaxed) + 1);
+        outcome
+    };
+    let outcomes: Vec<_> = (0..trials.count).into_par_iter().map(run).collect();
+
+    let p = trials.estimated.len();
+    let truth = trials.camera.intrinsics();
+    let mut failures = Vec::new();
+    let mut deviations = Vec::with_capacity(trials.count);
+    let mut mean_square = 0.0;
+    for (trial, outcome) in outcomes.into_iter().enumerate() {
+        match outcome {
+            Ok(found) => {
+                mean_square += found.rms * found.rms;
+                let θ = found.camera.intrinsics();
+                deviations.push(DVector::from_fn(p, |i, _| θ[trials.estimated[i]] - truth[trials.estimated[i]]));
+            }
+            Err(reason) => failures.push(Failure { trial, reason }),
+        }
+    }
+    let n = deviations.len() as f64;
+    let bias = deviations.iter().fold(DVector::zeros(p), |sum, δ| sum + δ) / n;
+    let scatter = deviations.iter().map(|δ| δ - &bias).fold(DMatrix::zeros(p, p), |sum, δ| sum + &δ * δ.transpose());
+    let covariance = scatter / (n - 1.0);
+    Ok(MonteCarlo {
+        parameters: parameters(trials, prediction, &bias, &covariance, deviations.len()),
+        map_error: map_error(&deviations, prediction),
+        covariance,
+        rms: (mean_square / n).sqrt(),
+        count: trials.count,
+        failures,
+    })
+}
+
+fn run_trial(trials: &Trials<'_>, trial: usize) -> Result<Calibration, TrialFailure> {
+    let Trials { camera, board, poses, sigma, estimated, settings, seed, .. } = trials;
+    let observations = simulate(camera, board, poses, *sigma, trial_seed(*seed, trial))?;
+    let found = calibrate(&observations, camera, estimated, settings)?;
+    if !found.convergence.converged {
+        return Err(TrialFailure::NotConverged { iterations: found.convergence.iterations });
+    }
+    Ok(found)
+}
+
+fn parameters(
+    trials: &Trials<'_>,
+    prediction: &Prediction<'_>,
+    bias: &DVector<f64>,
+    covariance: &DMatrix<f64>,
+    count: usize,
+) -> Vec<ParameterStatistics> {
+    let (low, high) = deviation_interval(count, CONFIDENCE);
+    let names = trials.camera.lens().parameter_names();
+    let statistics = trials.estimated.iter().enumerate().map(|(i, &j)| {
+        let sampled_sigma = covariance[(i, i)].sqrt();
+        let predicted_sigma = prediction.covariance[(i, i)].sqrt();
+        let ratio = sampled_sigma / predicted_sigma;
+        ParameterStatistics {
+            name: names[j],
+            truth: trials.camera.intrinsics()[j],
+            bias: bias[i],
+            sampled_sigma,
+            predicted_sigma,
+            ratio,
+            interval: (ratio * low, ratio * high),
+        }
+    });
+    statistics.collect()
+}
+
+fn map_error(deviations: &[DVector<f64>], prediction: &Prediction<'_>) -> MapError {
+    let W = prediction.map_weight;
+    let squares: Vec<f64> = deviations.iter().map(|δ| δ.dot(&(W * δ))).collect();
+    let n = squares.len() as f64;
+    let mean = squares.iter().sum::<f64>() / n;
+    let variance = squares.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    let measured = mean.sqrt();
+    MapError {
+        measured,
+        predicted: (W * prediction.covariance).trace().sqrt(),
+        // d√m = dm / 2√m.
+        standard_error: (variance / n).sqrt() / (2.0 * measured),
+    }
+}
+
+fn check(trials: &Trials<'_>, prediction: &Prediction<'_>) -> Result<(), MonteCarloError> {
+    let expected = trials.estimated.len();
+    for (matrix, M) in [("predicted covariance", prediction.covariance), ("map weight", prediction.map_weight)] {
+        let (rows, columns) = M.shape();
+        if (rows, columns) != (expected, expected) {
+            return Err(MonteCarloError::Shape { matrix, rows, columns, expected });
+        }
+    }
+    let count = trials.camera.intrinsics().len();
+    if let Some(&index) = trials.estimated.iter().find(|&&j| j >= count) {
+        return Err(MonteCarloError::Parameter { index, count });
+    }
+    let variances = prediction.covariance.diagonal();
+    let predicted = variances.iter().map(|&v| ("predicted variance", v));
+    for (name, value) in predicted.chain([("noise", trials.sigma)]) {
+        if !(value > 0.0 && value.is_finite()) {
+            return Err(MonteCarloError::NotPositive { name, value });
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+
+    use super::*;
+    use crate::calibration::Start;
+    use crate::calibration::refine;
+    use crate::camera::Lens;
+
+    const BOARD: Board = Board { columns: 8, rows: 6, square: 0.035 };
+
+    fn camera() -> Camera {
+        let θ = [1000.0, 1000.0, 639.5, 479.5, -0.2, 0.05, 0.0, 0.0, 0.0];
+        Camera::new(Lens::BrownConrady, 1280, 960, &θ).unwrap()
+    }
+
+    /// Tilted views that fill the image's four corners and its middle.
+    fn poses() -> Vec<Pose> {
+        let pose = |i: usize| {
+            let φ = 2.4 * i as f64;
+            let tilt = Pose::rotation(0.6 * Vector3::new(φ.cos(), φ.sin(), 0.0));
+            let place = Pose::translation(0.1 * (2.0 * φ).cos(), 0.06 * (3.0 * φ).sin(), 0.45 + 0.01 * i as f64);
+            place * tilt * Pose::rotation(Vector3::new(std::f64::consts::PI, 0.0, 0.0))
+        };
+        (0..12).map(pose).collect()
+    }
+
+    /// The covariance at the truth: that of a refinement of noise-free corners, brought to `sigma`.
+    fn predicted(estimated: &[usize], sigma: f64) -> DMatrix<f64> {
+        let observations = simulate(&camera(), &BOARD, &poses(), 1e-4, 0).unwrap();
+        let start = Start { camera: camera(), poses: poses() };
+        let found = refine(&observations, start, estimated, &CalibrationSettings::default()).unwrap();
+        found.covariance * (sigma / found.sigma).powi(2)
+    }
+
+    #[test]
+    fn sampled_deviations_are_the_predicted_ones_on_any_number_of_threads() {
+        let estimated = [0, 1, 2, 3, 4, 5];
+        let (camera, poses) = (camera(), poses());
+        let sigma = 0.3;
+        let covariance = predicted(&estimated, sigma);
+        let map_weight = covariance.clone().cholesky().unwrap().inverse();
+        let trials = Trials {
+            camera: &camera,
+            board: &BOARD,
+            poses: &poses,
+            sigma,
+            estimated: &estimated,
+            settings: CalibrationSettings::default(),
+            count: 400,
+            seed: 5,
+        };
+        let prediction = Prediction { covariance: &covariance, map_weight: &map_weight };
+        let last = AtomicUsize::new(0);
+        let observer = |done: usize| {
+            last.fetch_max(done, Ordering::Relaxed);
+        };
+        let found = monte_carlo(&trials, &prediction, &observer).unwrap();
+        assert_eq!(last.into_inner(), 400);
+        assert!(found.failures.is_empty(), "{:?}", found.failures);
+        for parameter in &found.parameters {
+            let (low, high) = parameter.interval;
+            assert!(low < 1.0 && 1.0 < high, "{parameter:?}");
+            // The mean of 400 samples, at four deviations.
+            assert!(parameter.bias.abs() < 0.2 * parameter.sampled_sigma, "{parameter:?}");
+        }
+        // W is the inverse of the prediction: the squared map error has the mean p.
+        assert!((found.map_error.predicted - 6f64.sqrt()).abs() < 1e-9);
+        assert!((found.map_error.measured - found.map_error.predicted).abs() < 4.0 * found.map_error.standard_error);
+        let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        let again = alone.install(|| monte_carlo(&trials, &prediction, &|_| {})).unwrap();
+        assert_eq!(again, found);
+    }
+
+    #[test]
+    fn failed_trials_are_counted_with_their_reason() {
+        // A lens with known distortion would betray the focal length even so.
+        let camera = Camera::new(Lens::Pinhole, 1280, 960, &[1000.0, 1000.0, 639.5, 479.5]).unwrap();
+        let estimated = [0, 1, 2, 3];
+        let frontal = Pose::rotation(Vector3::new(std::f64::consts::PI, 0.0, 0.0));
+        let poses = [0.5, 0.6, 0.7].map(|z| Pose::translation(0.0, 0.0, z) * frontal);
+        let one = DMatrix::identity(4, 4);
+        let trials = Trials {
+            camera: &camera,
+            board: &BOARD,
+            poses: &poses,
+            sigma: 0.3,
+            estimated: &estimated,
+            settings: CalibrationSettings::default(),
+            count: 20,
+            seed: 1,
+        };
+        let found = monte_carlo(&trials, &Prediction { covariance: &one, map_weight: &one }, &|_| {}).unwrap();
+        assert_eq!(found.failures.len(), 20);
+        for failure in &found.failures {
+            let parallel = matches!(failure.reason, TrialFailure::Calibration(CalibrationError::ParallelBoards { .. }));
+            assert!(parallel, "{:?}", failure.reason);
+        }
+        let small = DMatrix::identity(3, 3);
+        let error = monte_carlo(&trials, &Prediction { covariance: &small, map_weight: &one }, &|_| {}).unwrap_err();
+        assert!(matches!(error, MonteCarloError::Shape { rows: 3, expected: 4, .. }));
+    }
+}
