@@ -104,7 +104,7 @@ fn pixels_and_derivatives() {
     }
 }
 
-/// Against the definition, `(AᵀA − AᵀQQᵀA) / σ²`, by OpenCV's Jacobians and NumPy's QR.
+/// Against the definition, `(AᵀA − AᵀQQᵀA) / σ²`, by OpenCV's Jacobians and a thin QR.
 #[test]
 fn information_of_a_view() {
     let golden = golden();
