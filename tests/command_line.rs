@@ -106,7 +106,7 @@ fn plan_says_and_writes_what_it_found() {
     for words in ["certified efficiency", "see the whole board", "predicted sigma", "k-means", "Written to out"] {
         assert!(summary.contains(words), "{words:?} is missing from\n{summary}");
     }
-    assert_eq!(desk.files("out"), ["plan.csv", "plan.json", "run.json"]);
+    assert_eq!(desk.files("out"), ["plan.csv", "plan.json", "run.json", "verification.json"]);
 
     let plan = read_json(&desk.path("out/plan.json"));
     let documented = [
@@ -189,7 +189,7 @@ fn the_candidates_are_the_same_in_both_formats() {
     let desk = Desk::new();
     let kept = desk.json("plan coarse.toml --json --candidates csv -o out")["candidates"]["kept"].as_u64().unwrap();
     assert_eq!(desk.stdout("plan coarse.toml --quiet --candidates parquet -o out"), "");
-    assert_eq!(desk.files("out"), ["candidates.csv", "candidates.parquet", "plan.csv", "plan.json", "run.json"]);
+    assert_eq!(desk.files("out"), ["candidates.csv", "candidates.parquet", "plan.csv", "plan.json", "run.json", "verification.json"]);
 
     let (header, rows) = read_csv(&desk.path("out/candidates.csv"));
     assert_eq!(rows.len() as u64, kept);
@@ -219,13 +219,13 @@ fn json_is_the_file_and_quiet_is_silent() {
     let printed = desk.stdout("plan coarse.toml --json -o out");
     assert_eq!(printed, std::fs::read_to_string(desk.path("out/plan.json")).unwrap());
     assert_eq!(desk.stdout("plan coarse.toml --quiet -o quiet"), "");
-    assert_eq!(desk.files("quiet"), ["plan.csv", "plan.json", "run.json"]);
+    assert_eq!(desk.files("quiet"), ["plan.csv", "plan.json", "run.json", "verification.json"]);
     assert_eq!(desk.stdout("plan coarse.toml --quiet --json -o out"), printed);
     for line in [
         "sweep coarse.toml -q",
         "check coarse.toml -q",
         "init new.toml -q",
-        "compare coarse.toml -q -k 10 --seeds 1 --limit 20",
+        "compare coarse.toml -q -k 10 --seeds 1 --limit 20 --trials 2",
     ] {
         assert_eq!(desk.stdout(line), "", "{line}");
     }
@@ -240,7 +240,7 @@ fn a_plan_replaces_the_one_before_whole() {
     desk.stdout("plan coarse.toml -q -k 10 -o out");
     assert_eq!(read_json(&desk.path("out/plan.json"))["count"], 10);
     assert_eq!(read_csv(&desk.path("out/plan.csv")).1.len(), 10);
-    assert_eq!(desk.files("out"), ["notes.txt", "plan.csv", "plan.json", "run.json"]);
+    assert_eq!(desk.files("out"), ["notes.txt", "plan.csv", "plan.json", "run.json", "verification.json"]);
     assert_eq!(std::fs::read_to_string(desk.path("out/notes.txt")).unwrap(), "mine");
     // A run that fails leaves it alone.
     let before = std::fs::read(desk.path("out/plan.json")).unwrap();
@@ -324,7 +324,7 @@ fn a_board_out_of_sight_is_explained() {
 #[test]
 fn compare_sets_the_methods_side_by_side() {
     let desk = Desk::new();
-    let line = "compare coarse.toml -k 10,15 --seeds 1 --limit 20";
+    let line = "compare coarse.toml -k 10,15 --seeds 1 --limit 20 --trials 2";
     let told = desk.stdout(line);
     for words in ["kmeans-positions", "map error", "sigma fx", "efficiency", "k-means on joints"] {
         assert!(told.contains(words), "{words:?} is missing from\n{told}");
@@ -335,7 +335,7 @@ fn compare_sets_the_methods_side_by_side() {
     let rows = document["rows"].as_array().unwrap();
     assert_eq!(rows.len(), 2 * 7);
     for row in rows {
-        assert_eq!(keys(row), ["method", "count", "value", "map_error_px", "sigma", "efficiency", "seconds"]);
+        assert_eq!(keys(row), ["method", "count", "value", "map_error_px", "sigma", "measured", "efficiency", "seconds"]);
         assert!(row["efficiency"].as_f64().unwrap() <= 1.0);
     }
     for equivalent in document["equivalents"].as_array().unwrap() {
@@ -411,4 +411,51 @@ fn help_and_version_are_there() {
     assert!(desk.stdout("--help").contains("Exit codes: 0 done"));
     assert!(desk.stdout("help plan").contains("--candidates"));
     assert_eq!(desk.stdout("--version").trim(), format!("calipose {}", env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn verify_holds_the_simulation_against_the_prediction() {
+    let desk = Desk::new();
+    desk.stdout("plan coarse.toml -q -k 12 --trials 0 -o out");
+    assert!(!desk.files("out").contains(&"verification.json".to_owned()));
+    let told = desk.stdout("verify out/plan.json -n 60");
+    for words in ["predicted sigma", "99 % interval", "Every calibration converged", "Verdict: "] {
+        assert!(told.contains(words), "{words:?} is missing from\n{told}");
+    }
+    let line = "verify out/plan.json -n 60 --seed 3 --json";
+    let document = desk.json(line);
+    assert_eq!(document, desk.json(line));
+    assert_eq!(document["format"], "calipose.verification");
+    assert_eq!(document["parameters"].as_array().unwrap().len(), 9);
+    for parameter in document["parameters"].as_array().unwrap() {
+        let ratio = parameter["ratio"].as_f64().unwrap();
+        assert!((0.6..1.5).contains(&ratio), "{parameter}");
+    }
+    // What the prediction leaves out makes the calibration worse.
+    let disturbed = desk.json(&format!("{line} --noise-with-distance 3 --noise-with-tilt 3 --missing 20"));
+    let measured = |document: &Value| document["map_error_px"]["measured"].as_f64().unwrap();
+    assert!(measured(&disturbed) > 1.3 * measured(&document));
+    // A board that leaves the image is lost, not an error.
+    let lost = desk.json(&format!("{line} --mount-rotation 40"));
+    assert!(lost["failed"].as_u64().unwrap() > 0 && lost["failures"][0]["reason"].is_string(), "{lost}");
+}
+
+#[test]
+fn verify_refuses_what_is_no_plan_of_the_problem() {
+    let desk = Desk::new();
+    desk.stdout("plan coarse.toml -q -k 12 --trials 0 -o out");
+    assert!(desk.complaint("verify out/plan.json -n 1", 2).contains("--trials"));
+    assert!(desk.complaint("verify out/plan.json --missing 100", 2).contains("--missing"));
+    assert!(desk.complaint("verify out/missing.json", 3).contains("missing.json"));
+    assert!(desk.complaint("verify out/run.json", 3).contains("calipose.run"));
+    desk.change("changed.toml", &[("sigma_px = 0.3", "sigma_px = 0.4")]);
+    assert!(desk.complaint("verify out/plan.json --problem changed.toml", 3).contains("another version"));
+    std::fs::remove_file(desk.path("out/run.json")).unwrap();
+    assert!(desk.complaint("verify out/plan.json", 3).contains("--problem"));
+    desk.stdout("verify out/plan.json --problem coarse.toml -n 4");
+    let plan = std::fs::read_to_string(desk.path("out/plan.json")).unwrap();
+    std::fs::write(desk.path("out/plan.json"), &plan[..plan.len() / 2]).unwrap();
+    assert!(desk.complaint("verify out/plan.json --problem coarse.toml", 3).contains("not a plan"));
+    std::fs::write(desk.path("out/plan.json"), plan.replace("\"version\": 1", "\"version\": 9")).unwrap();
+    assert!(desk.complaint("verify out/plan.json --problem coarse.toml", 3).contains("version 9"));
 }
