@@ -106,7 +106,7 @@ fn plan_says_and_writes_what_it_found() {
     for words in ["certified efficiency", "see the whole board", "predicted sigma", "k-means", "Written to out"] {
         assert!(summary.contains(words), "{words:?} is missing from\n{summary}");
     }
-    assert_eq!(desk.files("out"), ["plan.csv", "plan.json", "run.json"]);
+    assert_eq!(desk.files("out"), ["plan.csv", "plan.json", "run.json", "verification.json"]);
 
     let plan = read_json(&desk.path("out/plan.json"));
     let documented = [
@@ -189,7 +189,10 @@ fn the_candidates_are_the_same_in_both_formats() {
     let desk = Desk::new();
     let kept = desk.json("plan coarse.toml --json --candidates csv -o out")["candidates"]["kept"].as_u64().unwrap();
     assert_eq!(desk.stdout("plan coarse.toml --quiet --candidates parquet -o out"), "");
-    assert_eq!(desk.files("out"), ["candidates.csv", "candidates.parquet", "plan.csv", "plan.json", "run.json"]);
+    assert_eq!(
+        desk.files("out"),
+        ["candidates.csv", "candidates.parquet", "plan.csv", "plan.json", "run.json", "verification.json"]
+    );
 
     let (header, rows) = read_csv(&desk.path("out/candidates.csv"));
     assert_eq!(rows.len() as u64, kept);
@@ -219,7 +222,7 @@ fn json_is_the_file_and_quiet_is_silent() {
     let printed = desk.stdout("plan coarse.toml --json -o out");
     assert_eq!(printed, std::fs::read_to_string(desk.path("out/plan.json")).unwrap());
     assert_eq!(desk.stdout("plan coarse.toml --quiet -o quiet"), "");
-    assert_eq!(desk.files("quiet"), ["plan.csv", "plan.json", "run.json"]);
+    assert_eq!(desk.files("quiet"), ["plan.csv", "plan.json", "run.json", "verification.json"]);
     assert_eq!(desk.stdout("plan coarse.toml --quiet --json -o out"), printed);
     for line in [
         "sweep coarse.toml -q",
@@ -240,7 +243,7 @@ fn a_plan_replaces_the_one_before_whole() {
     desk.stdout("plan coarse.toml -q -k 10 -o out");
     assert_eq!(read_json(&desk.path("out/plan.json"))["count"], 10);
     assert_eq!(read_csv(&desk.path("out/plan.csv")).1.len(), 10);
-    assert_eq!(desk.files("out"), ["notes.txt", "plan.csv", "plan.json", "run.json"]);
+    assert_eq!(desk.files("out"), ["notes.txt", "plan.csv", "plan.json", "run.json", "verification.json"]);
     assert_eq!(std::fs::read_to_string(desk.path("out/notes.txt")).unwrap(), "mine");
     // A run that fails leaves it alone.
     let before = std::fs::read(desk.path("out/plan.json")).unwrap();
@@ -335,7 +338,10 @@ fn compare_sets_the_methods_side_by_side() {
     let rows = document["rows"].as_array().unwrap();
     assert_eq!(rows.len(), 2 * 7);
     for row in rows {
-        assert_eq!(keys(row), ["method", "count", "value", "map_error_px", "sigma", "efficiency", "seconds"]);
+        assert_eq!(
+            keys(row),
+            ["method", "count", "value", "map_error_px", "sigma", "measured", "efficiency", "seconds"]
+        );
         assert!(row["efficiency"].as_f64().unwrap() <= 1.0);
     }
     for equivalent in document["equivalents"].as_array().unwrap() {
