@@ -189,7 +189,10 @@ fn the_candidates_are_the_same_in_both_formats() {
     let desk = Desk::new();
     let kept = desk.json("plan coarse.toml --json --candidates csv -o out")["candidates"]["kept"].as_u64().unwrap();
     assert_eq!(desk.stdout("plan coarse.toml --quiet --candidates parquet -o out"), "");
-    assert_eq!(desk.files("out"), ["candidates.csv", "candidates.parquet", "plan.csv", "plan.json", "run.json", "verification.json"]);
+    assert_eq!(
+        desk.files("out"),
+        ["candidates.csv", "candidates.parquet", "plan.csv", "plan.json", "run.json", "verification.json"]
+    );
 
     let (header, rows) = read_csv(&desk.path("out/candidates.csv"));
     assert_eq!(rows.len() as u64, kept);
@@ -335,7 +338,10 @@ fn compare_sets_the_methods_side_by_side() {
     let rows = document["rows"].as_array().unwrap();
     assert_eq!(rows.len(), 2 * 7);
     for row in rows {
-        assert_eq!(keys(row), ["method", "count", "value", "map_error_px", "sigma", "measured", "efficiency", "seconds"]);
+        assert_eq!(
+            keys(row),
+            ["method", "count", "value", "map_error_px", "sigma", "measured", "efficiency", "seconds"]
+        );
         assert!(row["efficiency"].as_f64().unwrap() <= 1.0);
     }
     for equivalent in document["equivalents"].as_array().unwrap() {
