@@ -254,3 +254,18 @@ fn orders_that_do_not_fit_are_refused() {
         InformationError::Order { candidate: 1, rows: 3, columns: 3, order: 2 }
     );
 }
+
+#[test]
+fn priors_and_weights_that_mean_nothing_are_refused() {
+    let matrices = [DMatrix::identity(2, 2), DMatrix::identity(2, 2)];
+    let set = InformationSet::from_matrices(2, &matrices).unwrap();
+    let d = InformationFunction::Determinant;
+    let with_prior = |prior: DMatrix<f64>| Instance::new(&set, Some(&prior), &d, 1).err();
+    assert!(matches!(with_prior(DMatrix::from_element(2, 2, f64::NAN)), Some(SelectionError::Prior(_))));
+    assert!(matches!(with_prior(-DMatrix::identity(2, 2)), Some(SelectionError::Prior(_))));
+    assert!(matches!(with_prior(DMatrix::zeros(2, 3)), Some(SelectionError::Order { .. })));
+    for weight in [DMatrix::zeros(2, 2), DMatrix::from_element(2, 2, f64::NAN)] {
+        let v = InformationFunction::variance(&weight);
+        assert_eq!(Instance::new(&set, None, &v, 1).err(), Some(SelectionError::Weight));
+    }
+}

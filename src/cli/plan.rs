@@ -95,6 +95,9 @@ pub(super) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<(), 
     drop(writing);
 
     screen.document(&plan.to_json())?;
+    if !screen.shows_text() {
+        return Ok(());
+    }
     let summary = summary(&problem, &survey, &chooser, &plan)?;
     let names: Vec<&str> = files.iter().map(|(name, _)| *name).chain(["run.json"]).collect();
     screen.text(&format!(

@@ -18,12 +18,14 @@ impl Screen {
         Self { quiet, json }
     }
 
-    /// Prints text, unless the user asked for quiet or for JSON.
+    /// Whether text is shown: not if the user asked for quiet or for JSON.
+    pub(super) fn shows_text(&self) -> bool {
+        !self.quiet && !self.json
+    }
+
+    /// Prints text where it is shown.
     pub(super) fn text(&mut self, text: &str) -> Result<(), Failure> {
-        if self.quiet || self.json {
-            return Ok(());
-        }
-        Self::print(text)
+        if self.shows_text() { Self::print(text) } else { Ok(()) }
     }
 
     /// Prints the document, if the user asked for JSON.

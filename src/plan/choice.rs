@@ -66,6 +66,8 @@ pub struct Chooser<'a> {
     function: InformationFunction,
     map_error: InformationFunction,
     settings: RelaxationSettings,
+    /// p×p information already at hand.
+    prior: DMatrix<f64>,
 }
 
 /// A set of poses and how good it is.
@@ -85,13 +87,20 @@ impl<'a> Chooser<'a> {
     /// A chooser for the problem that was surveyed.
     pub fn new(problem: &Problem, survey: &'a Survey) -> Self {
         let SelectionSettings { criterion, tolerance, .. } = problem.selection;
+        let prior = DMatrix::zeros(problem.estimated.len(), problem.estimated.len());
         let map_error = InformationFunction::variance(&survey.map_weight);
         let function = match criterion {
             Criterion::D => InformationFunction::Determinant,
             Criterion::V => map_error.clone(),
         };
         let settings = RelaxationSettings { tolerance, ..RelaxationSettings::default() };
-        Self { survey, criterion, names: problem.estimated_names(), function, map_error, settings }
+        Self { survey, criterion, names: problem.estimated_names(), function, map_error, settings, prior }
+    }
+
+    /// The same chooser when `prior` is known already: the p×p information of the views taken, say.
+    #[must_use]
+    pub fn with_prior(self, prior: DMatrix<f64>) -> Self {
+        Self { prior, ..self }
     }
 
     /// The value of the criterion in its own unit: `log det M` for `d`, the map error's variance in px² for `v`.
@@ -165,14 +174,14 @@ impl<'a> Chooser<'a> {
         Err(self.explain(instance.unobservable(&choice.selected)))
     }
 
-    /// Information of a choice, p×p.
+    /// Information of a choice, the prior included, p×p.
     pub fn information(&self, selected: &[usize]) -> DMatrix<f64> {
         let p = self.names.len();
         let nothing = vec![0.0; crate::information::packed::packed_len(p)];
-        unpack(&self.survey.information.total(&nothing, selected), p)
+        &self.prior + unpack(&self.survey.information.total(&nothing, selected), p)
     }
 
-    /// Each chosen pose's share of the information at hand: `⟨∇log Φ(M), M_i⟩`; the shares add up to one.
+    /// Each chosen pose's share of the information at hand: `⟨∇log Φ(M), M_i⟩`; with the prior's, the shares add up to one.
     pub fn shares(&self, selected: &[usize]) -> Vec<f64> {
         let p = self.names.len();
         let M = crate::information::packed::pack(&self.information(selected));
@@ -204,7 +213,7 @@ impl<'a> Chooser<'a> {
         if count > views {
             return Err(PlanError::TooFewViews { count, views });
         }
-        Instance::new(&self.survey.information, None, &self.function, count).map_err(|e| self.explain(e))
+        Instance::new(&self.survey.information, Some(&self.prior), &self.function, count).map_err(|e| self.explain(e))
     }
 
     fn explain(&self, error: SelectionError) -> PlanError {

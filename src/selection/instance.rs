@@ -4,8 +4,8 @@ use nalgebra::DMatrix;
 use thiserror::Error;
 
 use super::function::InformationFunction;
-use crate::information::InformationSet;
 use crate::information::packed::{packed_len, unpack};
+use crate::information::{InformationError, InformationSet};
 
 /// Choose `count` of the candidates so that `Φ(M₀ + Σ M_i)` is greatest.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,6 +37,12 @@ pub enum SelectionError {
         /// Its order.
         found: usize,
     },
+    /// The prior is not an information matrix.
+    #[error("the prior is refused: {0}")]
+    Prior(#[source] InformationError),
+    /// The weight of the variance is zero or not finite.
+    #[error("the weight of the variance is zero or not finite; nothing can be made small by it")]
+    Weight,
     /// Some combination of the parameters is not determined.
     #[error("{count} views leave a combination of the parameters undetermined")]
     Unobservable {
@@ -51,8 +57,8 @@ impl<'a> Instance<'a> {
     /// An instance; `prior` is the p×p information M₀ already at hand, or `None`.
     ///
     /// # Errors
-    /// When `count` is 0 or above the number of candidates, an order does not fit, or all candidates together leave a
-    /// combination of the parameters undetermined.
+    /// When `count` is 0 or above the number of candidates, an order does not fit, the prior is no information matrix, the
+    /// weight is zero or not finite, or all candidates together leave a combination of the parameters undetermined.
     pub fn new(
         candidates: &'a InformationSet,
         prior: Option<&DMatrix<f64>>,
@@ -68,11 +74,16 @@ impl<'a> Instance<'a> {
         };
         if let InformationFunction::Variance(factor) = function {
             fits("weight", factor.nrows())?;
+            if factor.is_empty() || factor.iter().any(|entry| !entry.is_finite()) {
+                return Err(SelectionError::Weight);
+            }
         }
         let prior = match prior {
             Some(prior) => {
                 fits("prior", prior.nrows())?;
-                crate::information::packed::pack(prior)
+                fits("prior", prior.ncols())?;
+                let checked = InformationSet::from_matrices(p, [prior]).map_err(SelectionError::Prior)?;
+                checked.packed(0).to_vec()
             }
             None => vec![0.0; packed_len(p)],
         };
