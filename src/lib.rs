@@ -56,6 +56,7 @@ pub mod calibration;
 pub mod camera;
 pub mod cli;
 pub mod feasibility;
+pub mod formats;
 pub mod information;
 pub mod plan;
 pub mod problem;
