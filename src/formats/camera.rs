@@ -66,9 +66,7 @@ impl CameraFormat {
             Self::Ros => Ok(ros::write(camera)),
             Self::OpenCv => Ok(opencv::write_yaml(camera)),
             Self::OpenCvJson => Ok(opencv::write_json(camera)),
-            Self::Mrcal => {
-                mrcal::write(camera).ok_or(WriteError { format: self.name(), lens: camera.lens().name() })
-            }
+            Self::Mrcal => mrcal::write(camera).ok_or(WriteError { format: self.name(), lens: camera.lens().name() }),
         }
     }
 }

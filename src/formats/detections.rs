@@ -7,6 +7,9 @@ use super::{observations, vnl};
 use crate::calibration::{Corner, ObservationError, Observations, View};
 use crate::target::Board;
 
+/// Largest pixel coordinate that is read, px; beyond it stands no slip of a detector but another kind of file.
+pub(super) const LARGEST_PIXEL: f64 = 1e6;
+
 /// The detections of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Detections {

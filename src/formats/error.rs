@@ -49,7 +49,7 @@ pub enum ReadFault {
         expected: &'static str,
     },
     /// A number is not allowed.
-    #[error("`{key}` is {value}; it must be {}", interval(*min, *max))]
+    #[error("`{key}` is {value:?}; it must be {}", interval(*min, *max))]
     OutOfRange {
         /// The key.
         key: String,
@@ -117,7 +117,7 @@ pub enum ReadFault {
         given: String,
     },
     /// The detections of a view cannot be calibrated from.
-    #[error("image \"{view}\": {}", fault.to_string().trim_start_matches(|c: char| c != ':').trim_start_matches(": "))]
+    #[error("image \"{view}\"{}", without_number(fault))]
     View {
         /// The image.
         view: String,
@@ -137,4 +137,11 @@ impl ReadFault {
 
 fn interval(min: f64, max: f64) -> String {
     if min == max { min.to_string() } else { format!("from {min} to {max}") }
+}
+
+/// The fault of a view without the view's number, which counts neither lines nor images: ` has 3 corners`, `: corner 5 …`.
+fn without_number(fault: &ObservationError) -> String {
+    let text = fault.to_string();
+    let unnumbered = text.strip_prefix("view ").map(|rest| rest.trim_start_matches(|c: char| c.is_ascii_digit()));
+    unnumbered.map_or_else(|| format!(": {text}"), str::to_owned)
 }

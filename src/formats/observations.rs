@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 
 use super::camera::image_side;
-use super::detections::Seen;
+use super::detections::{LARGEST_PIXEL, Seen};
 use super::error::{ReadError, ReadFault};
 use super::tree::{self, Node};
 use crate::target::Board;
@@ -65,8 +65,11 @@ fn view(node: &Node, i: usize, board: &Board) -> Result<Seen, ReadError> {
             let (found, expected) = (coordinates.len(), "2".to_owned());
             return Err(ReadFault::Length { key: key(), found, expected }.at(corner.line));
         };
-        let u = u.number(&format_args!("{within}corners[{j}][0]"))?.value;
-        let v = v.number(&format_args!("{within}corners[{j}][1]"))?.value;
+        let number = |i: usize, node: &Node| {
+            let key = format_args!("{within}corners[{j}][{i}]");
+            node.number(&key)?.between(&key, -LARGEST_PIXEL, LARGEST_PIXEL)
+        };
+        let (u, v) = (number(0, u)?, number(1, v)?);
         Ok((Some(Vector2::new(u, v)), corner.line))
     };
     let corners = corners.iter().enumerate().map(pixel).collect::<Result<_, ReadError>>()?;

@@ -8,6 +8,8 @@ use super::error::{ReadError, ReadFault};
 
 /// Deeper nesting is an attack, not a camera.
 const DEEPEST: usize = 32;
+/// So are more keys in one map.
+const MOST_KEYS: usize = 1000;
 
 /// A value and its line.
 #[derive(Debug, Clone, PartialEq)]
@@ -127,6 +129,9 @@ impl<'t> Events<'t> {
                 (Event::MappingEnd, _) => return Ok(Content::Map(map)),
                 (Event::Scalar(key, ..), line) if map.iter().any(|(known, _)| *known == key) => {
                     return Err(ReadFault::Repeated { name: key.into_owned() }.at(line));
+                }
+                (_, line) if map.len() == MOST_KEYS => {
+                    return Err(syntax(&format!("more than {MOST_KEYS} keys"), line));
                 }
                 (Event::Scalar(key, ..), _) => key.into_owned(),
                 (_, line) => return Err(syntax("a key must be a text", line)),

@@ -5,8 +5,9 @@
 
 use nalgebra::Vector2;
 
-use super::detections::Seen;
+use super::detections::{LARGEST_PIXEL, Seen};
 use super::error::{ReadError, ReadFault};
+use super::tree::Located;
 use crate::target::Board;
 
 /// The images of the table.
@@ -78,10 +79,11 @@ fn add(images: &mut Vec<Seen>, cells: &[&str], line: usize) -> Result<(), ReadEr
         if cell == "-" {
             return Ok(None);
         }
-        cell.parse().ok().filter(|x: &f64| x.is_finite()).map(Some).ok_or_else(|| {
+        let value = cell.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| {
             let (key, found) = (key.to_owned(), format!("\"{cell}\""));
             ReadFault::Type { key, found, expected: "a finite number or -" }.at(line)
-        })
+        })?;
+        Located { line, value }.between(&key, -LARGEST_PIXEL, LARGEST_PIXEL).map(Some)
     });
     let [x, y, level] = numbers;
     let pixel = match (x?, y?, level?) {
