@@ -49,7 +49,7 @@ pub enum ReadFault {
         expected: &'static str,
     },
     /// A number is not allowed.
-    #[error("`{key}` is {value:?}; it must be {}", interval(*min, *max))]
+    #[error("`{key}` is {}; it must be {}", plain(*value), interval(*min, *max))]
     OutOfRange {
         /// The key.
         key: String,
@@ -135,8 +135,14 @@ impl ReadFault {
     }
 }
 
+/// A number as one would write it: very large and very small ones with an exponent.
+fn plain(x: f64) -> String {
+    let size = x.abs();
+    if size >= 1e7 || (size > 0.0 && size < 1e-4) { format!("{x:e}") } else { x.to_string() }
+}
+
 fn interval(min: f64, max: f64) -> String {
-    if min == max { min.to_string() } else { format!("from {min} to {max}") }
+    if min == max { plain(min) } else { format!("from {} to {}", plain(min), plain(max)) }
 }
 
 /// The fault of a view without the view's number, which counts neither lines nor images: ` has 3 corners`, `: corner 5 …`.

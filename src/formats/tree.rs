@@ -70,14 +70,15 @@ pub(super) fn parse(text: &str) -> Result<Node, ReadError> {
     }
 }
 
-/// `text` with what YAML does not know replaced by blanks: OpenCV's directive `%YAML:1.0`, the `b` of Python's byte strings.
+/// `text` with what YAML does not know replaced by blanks: OpenCV's directive `%YAML:1.0`, the `b` of mrcal's byte
+/// strings.
 fn plain_yaml(text: &str) -> String {
     let text = text.trim_start_matches('\u{feff}');
     let body = match text.strip_prefix("%YAML") {
         Some(rest) => rest.find('\n').map_or("", |newline| &rest[newline..]),
         None => text,
     };
-    body.replace(": b'", ":  '").replace(": b\"", ":  \"")
+    if body.contains("lensmodel") { body.replace(": b'", ":  '").replace(": b\"", ":  \"") } else { body.to_owned() }
 }
 
 fn syntax(message: &str, line: usize) -> ReadError {
@@ -212,7 +213,7 @@ mod tests {
         for text in [
             "%YAML:1.0\n---\na: !!opencv-matrix\n   data: [ 1., -2.5e-1,\n       .5 ]\n",
             "\n\n{ \"a\":\t{\n\t\"data\": [1.0, -0.25,\n\t0.5] } }",
-            "# comment\n\n{ 'x': b'}{#]',\n  'a': {'data': [1, -.25, # more\n 5e-1, ], }, }\n",
+            "# lensmodel\n\n{ 'x': b'}{#]',\n  'a': {'data': [1, -.25, # more\n 5e-1, ], }, }\n",
         ] {
             let root = parse(text).unwrap();
             let data = root.require("", "a").unwrap().require("a.", "data").unwrap();

@@ -163,7 +163,7 @@ fn fit(
         let settings = CalibrationSettings { refinement, ..CalibrationSettings::default() };
         calibrate(observations, nominal, estimated, &settings)
     };
-    // 95 % efficient under Gaussian noise.
+    // The usual choices: about 95 % efficient under Gaussian noise.
     let (robust, tuning): (fn(f64) -> Loss, f64) = match loss {
         LossName::Squared => return with(Loss::Squared),
         LossName::Huber => (|scale| Loss::Huber { scale }, 1.345),
