@@ -5,7 +5,7 @@
 //! ```
 //!
 //! [`calibrate`] runs them in turn. Poses are `X_CT`, from the board's frame T to the camera's C; pixels as in
-//! [`crate::camera`]. MATHEMATICS.md, section 7.
+//! [`crate::camera`].
 
 mod estimate;
 mod factor;

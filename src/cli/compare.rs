@@ -1,14 +1,17 @@
 //! `calipose compare`.
 
+use std::collections::BTreeMap;
+
 use clap::Args;
 use serde_json::{Value, json};
 
 use super::Overrides;
 use super::failure::Failure;
 use super::screen::{Screen, short, table};
-use crate::plan::{Chooser, Equivalent, Row, compare, equivalent_kmeans, survey};
+use crate::plan::{Choice, Chooser, Equivalent, Row, Survey, compare, equivalent_kmeans, survey, verify};
 use crate::problem::Problem;
 use crate::selection::Method;
+use crate::verification::{Disturbance, MonteCarlo};
 
 #[derive(Debug, Args)]
 pub(super) struct CompareArguments {
@@ -20,6 +23,9 @@ pub(super) struct CompareArguments {
     /// Seeds for the methods that depend on one; their medians are shown
     #[arg(long, default_value_t = 5)]
     seeds: usize,
+    /// Number of simulated calibrations per row for the measured columns; 0 for none
+    #[arg(long, default_value_t = 50)]
+    trials: usize,
     /// Most poses to try for the k-means that equals the plan
     #[arg(long, default_value_t = 400)]
     limit: usize,
@@ -59,21 +65,35 @@ pub(super) fn run(arguments: &CompareArguments, screen: &mut Screen) -> Result<(
     }
     bar.finish_and_clear();
 
-    screen.document(&document(&problem, &chooser, &comparison.rows, &equivalents).to_string())?;
-    let rows: Vec<Vec<String>> = comparison.rows.iter().map(|row| text_row(&problem, &chooser, row)).collect();
+    let bar = screen.progress("measuring", comparison.rows.len());
+    let measured: Vec<Option<MonteCarlo>> = comparison
+        .rows
+        .iter()
+        .map(|row| {
+            bar.inc(1);
+            measure(&problem, &survey, &row.choice, arguments.trials)
+        })
+        .collect();
+    bar.finish_and_clear();
+
+    screen.document(&document(&problem, &chooser, &comparison.rows, &measured, &equivalents).to_string())?;
+    let rows = comparison.rows.iter().zip(&measured);
+    let rows: Vec<Vec<String>> =
+        rows.map(|(row, measured)| text_row(&problem, &chooser, row, measured.as_ref())).collect();
     let focal: Vec<String> = principal(&problem).into_iter().map(|(_, name)| format!("sigma {name}")).collect();
-    let header: Vec<&str> = ["method", "poses", "value", "map error [px]"]
+    let header: Vec<&str> = ["method", "poses", "value", "map error [px]", "measured", "failed"]
         .into_iter()
         .chain(focal.iter().map(String::as_str))
         .chain(["efficiency", "time [ms]"])
         .collect();
     let sentences: Vec<String> = equivalents.iter().map(|(count, equivalent)| sentence(*count, equivalent)).collect();
     screen.text(&format!(
-        "{}: criterion `{}`, {} views; medians over {} seeds.\n\n{}\n\n{}",
+        "{}: criterion `{}`, {} views; medians over {} seeds; measured in {} simulated calibrations.\n\n{}\n\n{}",
         problem.name,
         problem.selection.criterion.name(),
         survey.views.len(),
         comparison.seeds,
+        arguments.trials,
         table(&header, &rows),
         sentences.join("\n"),
     ))
@@ -84,11 +104,24 @@ fn principal(problem: &Problem) -> Vec<(usize, &'static str)> {
     problem.estimated_names().into_iter().enumerate().filter(|(i, _)| problem.estimated[*i] < 4).collect()
 }
 
-fn text_row(problem: &Problem, chooser: &Chooser, row: &Row) -> Vec<String> {
+/// Simulated calibrations of a choice; `None` if none were asked for or nothing is predicted for it.
+fn measure(problem: &Problem, survey: &Survey, choice: &Choice, trials: usize) -> Option<MonteCarlo> {
+    if trials < 2 {
+        return None;
+    }
+    let configurations: Vec<Vec<f64>> = choice.selected.iter().map(|&i| survey.views[i].q.clone()).collect();
+    verify(problem, &configurations, &Disturbance::default(), trials, problem.selection.seed, &|_| {}).ok()
+}
+
+fn text_row(problem: &Problem, chooser: &Chooser, row: &Row, measured: Option<&MonteCarlo>) -> Vec<String> {
     let sigma = |i: usize| row.choice.sigma.get(i).map_or("-".into(), |&s| short(s));
     [row.method.name().to_owned(), row.choice.selected.len().to_string()]
         .into_iter()
         .chain([short(chooser.natural(row.choice.log_value)), short(row.choice.map_error)])
+        .chain([
+            measured.map_or("-".into(), |found| short(found.map_error.measured)),
+            measured.map_or("-".into(), |found| found.failures.len().to_string()),
+        ])
         .chain(principal(problem).into_iter().map(|(i, _)| sigma(i)))
         .chain([format!("{:.4}", row.efficiency), format!("{:.1}", row.time.as_secs_f64() * 1e3)])
         .collect()
@@ -105,9 +138,15 @@ fn sentence(count: usize, equivalent: &Equivalent) -> String {
     }
 }
 
-fn document(problem: &Problem, chooser: &Chooser, rows: &[Row], equivalents: &[(usize, Equivalent)]) -> Value {
+fn document(
+    problem: &Problem,
+    chooser: &Chooser,
+    rows: &[Row],
+    measured: &[Option<MonteCarlo>],
+    equivalents: &[(usize, Equivalent)],
+) -> Value {
     let names = problem.estimated_names();
-    let row = |row: &Row| {
+    let row = |(row, measured): (&Row, &Option<MonteCarlo>)| {
         let sigma: serde_json::Map<String, Value> =
             names.iter().zip(&row.choice.sigma).map(|(name, sigma)| ((*name).to_owned(), json!(sigma))).collect();
         json!({
@@ -116,6 +155,12 @@ fn document(problem: &Problem, chooser: &Chooser, rows: &[Row], equivalents: &[(
             "value": chooser.natural(row.choice.log_value),
             "map_error_px": row.choice.map_error,
             "sigma": sigma,
+            "measured": measured.as_ref().map(|found| json!({
+                "trials": found.count,
+                "failed": found.failures.len(),
+                "map_error_px": found.map_error.measured,
+                "sigma": found.parameters.iter().map(|p| (p.name, p.sampled_sigma)).collect::<BTreeMap<_, _>>(),
+            })),
             "efficiency": row.efficiency,
             "seconds": row.time.as_secs_f64(),
         })
@@ -133,7 +178,7 @@ fn document(problem: &Problem, chooser: &Chooser, rows: &[Row], equivalents: &[(
         "version": 1,
         "problem": { "name": problem.name, "sha256": problem.sha256 },
         "criterion": problem.selection.criterion.name(),
-        "rows": rows.iter().map(row).collect::<Vec<_>>(),
+        "rows": rows.iter().zip(measured).map(row).collect::<Vec<_>>(),
         "equivalents": equivalents.iter().map(equivalent).collect::<Vec<_>>(),
     })
 }

@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use crate::calibration::CalibrationError;
 use crate::formats::{FileReadError, ReadError, ReadFault};
-use crate::plan::{FileError, PlanError, SurveyError};
+use crate::plan::{FileError, PlanError, SurveyError, VerifyError};
 use crate::problem::ProblemError;
 
 /// Anything a command can fail with.
@@ -28,6 +28,10 @@ pub(super) enum Failure {
     #[error("{}: {error}", path.display())]
     #[diagnostic(help("{}", calibration_help(error, names)))]
     Calibration { path: PathBuf, error: CalibrationError, names: Vec<String> },
+    #[error("cannot use the plan {}: {reason}", path.display())]
+    PlanFile { path: PathBuf, reason: String },
+    #[error(transparent)]
+    Verify(#[from] VerifyError),
     #[error("{} exists already", .0.display())]
     #[diagnostic(help("give another name, or remove the file first"))]
     Exists(PathBuf),
@@ -48,7 +52,7 @@ impl Failure {
                 error: FileReadError::Content(ReadError { fault: ReadFault::NotStated { .. }, .. }),
                 ..
             } => 2,
-            Failure::Problem(_) | Failure::Observations { .. } => 3,
+            Failure::Problem(_) | Failure::PlanFile { .. } | Failure::Observations { .. } => 3,
             _ => 1,
         }
     }

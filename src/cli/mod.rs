@@ -1,16 +1,17 @@
 //! The command line: commands, exit codes, what is printed where.
 //!
 //! Results go to stdout, progress and errors to stderr. Exit codes: 0 done; 1 the command failed; 2 the command line was
-//! wrong; 3 the problem file or the file of observations was
-//! refused; 70 a bug in calipose; 130 interrupted.
+//! wrong; 3 the problem file, plan or file of observations was refused; 70 a bug in calipose; 130 interrupted.
 
 mod calibrate;
 mod compare;
 mod failure;
 mod plan;
+mod planned;
 mod problem;
 mod screen;
 mod sweep;
+mod verify;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -59,6 +60,8 @@ enum Command {
     Calibrate(calibrate::CalibrateArguments),
     /// Count the candidates, at one or several steps
     Sweep(sweep::SweepArguments),
+    /// Simulate the calibration that a plan leads to and hold it against the prediction
+    Verify(verify::VerifyArguments),
     /// Validate a problem file and say what a run would do
     Check {
         /// Problem file
@@ -150,6 +153,7 @@ fn run(command: &Command, screen: &mut Screen) -> Result<(), Failure> {
         Command::Compare(arguments) => compare::run(arguments, screen),
         Command::Calibrate(arguments) => calibrate::run(arguments, screen),
         Command::Sweep(arguments) => sweep::run(arguments, screen),
+        Command::Verify(arguments) => verify::run(arguments, screen),
         Command::Check { file } => problem::check(file, screen),
         Command::Init { file } => problem::init(file, screen),
         Command::Schema => problem::schema(screen),

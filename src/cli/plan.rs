@@ -1,6 +1,6 @@
 //! `calipose plan`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::Args;
@@ -8,12 +8,14 @@ use serde_json::json;
 
 use super::failure::Failure;
 use super::screen::{Screen, grouped, short, table};
-use super::{Overrides, TableFormat, WRITING, method};
+use super::{Overrides, TableFormat, WRITING, method, verify as verify_command};
 use crate::plan::{
-    Chooser, Plan, PlanError, Survey, candidates_csv, candidates_parquet, compare, survey, write_atomically,
+    Chooser, Plan, PlanError, PlannedPose, Survey, candidates_csv, candidates_parquet, compare, survey, verify,
+    write_atomically,
 };
 use crate::problem::Problem;
 use crate::selection::Method;
+use crate::verification::{Disturbance, MonteCarlo};
 
 #[derive(Debug, Args)]
 pub(super) struct PlanArguments {
@@ -28,6 +30,9 @@ pub(super) struct PlanArguments {
     /// Folder for the plan [default: the file's]
     #[arg(long, short)]
     output: Option<PathBuf>,
+    /// Number of simulated calibrations that check the plan; 0 for none
+    #[arg(long, default_value_t = 100)]
+    trials: usize,
     /// Write the candidates too
     #[arg(long, value_name = "FORMAT")]
     candidates: Option<TableFormat>,
@@ -62,7 +67,16 @@ pub(super) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<(), 
     let plan = made?;
     let selection_time = start.elapsed().saturating_sub(survey_time);
 
+    let bar = screen.progress("verifying", arguments.trials);
+    let verified = verified(&problem, &survey, &plan, arguments.trials, &|_| bar.inc(1));
+    bar.finish_and_clear();
+    let verified = verified?;
+
     let mut files = vec![("plan.json", plan.to_json().into_bytes()), ("plan.csv", plan.to_csv().map_err(in_memory)?)];
+    if let Some(found) = &verified {
+        let document = verify_command::document(&plan, found, plan.seed);
+        files.push(("verification.json", format!("{document:#}\n").into_bytes()));
+    }
     match arguments.candidates {
         Some(TableFormat::Csv) => {
             files.push(("candidates.csv", candidates_csv(&problem, &survey.views).map_err(in_memory)?));
@@ -76,7 +90,7 @@ pub(super) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<(), 
     for (name, bytes) in &files {
         write_atomically(&problem.output.join(name), bytes)?;
     }
-    let run = run_document(&problem, survey_time, selection_time, start.elapsed());
+    let run = run_document(&arguments.problem.file, &problem, survey_time, selection_time, start.elapsed());
     write_atomically(&problem.output.join("run.json"), run.as_bytes())?;
     drop(writing);
 
@@ -84,7 +98,8 @@ pub(super) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<(), 
     let summary = summary(&problem, &survey, &chooser, &plan)?;
     let names: Vec<&str> = files.iter().map(|(name, _)| *name).chain(["run.json"]).collect();
     screen.text(&format!(
-        "{summary}\nWritten to {}: {}, in {:.2} s.",
+        "{summary}{}\nWritten to {}: {}, in {:.2} s.",
+        verified.as_ref().map(sentence).unwrap_or_default(),
         problem.output.display(),
         names.join(", "),
         start.elapsed().as_secs_f64(),
@@ -104,16 +119,47 @@ fn make(problem: &Problem, survey: &Survey, chooser: &Chooser) -> Result<Plan, P
     Ok(Plan::new(problem, survey, chooser, &choice, &certificate))
 }
 
+/// The plan's simulated calibrations, unless none were asked for.
+fn verified(
+    problem: &Problem,
+    survey: &Survey,
+    plan: &Plan,
+    trials: usize,
+    observe: &(dyn Fn(usize) + Sync),
+) -> Result<Option<MonteCarlo>, Failure> {
+    if trials < 2 {
+        return Ok(None);
+    }
+    let view = |pose: &PlannedPose| survey.views.iter().find(|view| view.id == pose.id).map(|view| view.q.clone());
+    let configurations: Vec<Vec<f64>> = plan.poses.iter().filter_map(view).collect();
+    Ok(Some(verify(problem, &configurations, &Disturbance::default(), trials, plan.seed, observe)?))
+}
+
+/// What the trials showed, in one line.
+fn sentence(found: &MonteCarlo) -> String {
+    let failed = if found.failures.is_empty() {
+        "all converged".to_owned()
+    } else {
+        format!("{} of them failed", found.failures.len())
+    };
+    format!(
+        "\n{} simulated calibrations, {failed}: map error {} px measured. {}",
+        found.count,
+        short(found.map_error.measured),
+        verify_command::verdict(found),
+    )
+}
+
 fn in_memory(error: impl std::fmt::Display) -> Failure {
     Failure::Table(error.to_string())
 }
 
-fn run_document(problem: &Problem, survey: Duration, selection: Duration, total: Duration) -> String {
+fn run_document(file: &Path, problem: &Problem, survey: Duration, selection: Duration, total: Duration) -> String {
     let document = json!({
         "format": "calipose.run",
         "version": 1,
         "calipose": env!("CARGO_PKG_VERSION"),
-        "problem": { "name": problem.name, "sha256": problem.sha256 },
+        "problem": { "name": problem.name, "sha256": problem.sha256, "file": std::path::absolute(file).ok() },
         "threads": rayon::current_num_threads(),
         "seconds": {
             "survey": survey.as_secs_f64(),

@@ -95,8 +95,8 @@ mod tests {
         let residuals = |ω: &Vector3<f64>| -> DVector<f64> {
             let R = Rotation3::from_scaled_axis(*ω);
             let mut out = Vec::new();
-            for g in 0..25_usize * 15 {
-                let pixel = Vector2::new((g % 25) as f64 / 24.0 * 1279.0, (g / 25) as f64 / 14.0 * 719.0);
+            for g in 0..25 * 15 {
+                let pixel = Vector2::new(f64::from(g % 25) / 24.0 * 1279.0, f64::from(g / 25) / 14.0 * 719.0);
                 let ray = camera.unproject(&pixel).unwrap();
                 out.extend((moved.project(&(R * ray.into_inner()).into()).unwrap() - pixel).iter().copied());
             }

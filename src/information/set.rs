@@ -29,6 +29,18 @@ pub enum InformationError {
         /// Numbers given.
         found: usize,
     },
+    /// A matrix is not of the set's order.
+    #[error("matrix {candidate} is {rows}×{columns}; the set's matrices are {order}×{order}")]
+    Order {
+        /// Candidate, from 0.
+        candidate: usize,
+        /// Its rows.
+        rows: usize,
+        /// Its columns.
+        columns: usize,
+        /// Order p.
+        order: usize,
+    },
     /// An entry is NaN or infinite.
     #[error("matrix {candidate} has the entry {value} in row {row}, column {column}; entries must be finite")]
     NotFinite {
@@ -81,12 +93,20 @@ impl InformationSet {
     /// A set of p×p matrices, all of the order `order`.
     ///
     /// # Errors
-    /// As [`InformationSet::from_packed`].
+    /// When a matrix is of another order, and as [`InformationSet::from_packed`].
     pub fn from_matrices<'a>(
         order: usize,
         matrices: impl IntoIterator<Item = &'a DMatrix<f64>>,
     ) -> Result<Self, InformationError> {
-        Self::from_packed(order, matrices.into_iter().flat_map(pack).collect())
+        let mut table = Vec::new();
+        for (candidate, matrix) in matrices.into_iter().enumerate() {
+            let (rows, columns) = matrix.shape();
+            if (rows, columns) != (order, order) {
+                return Err(InformationError::Order { candidate, rows, columns, order });
+            }
+            table.extend(pack(matrix));
+        }
+        Self::from_packed(order, table)
     }
 
     /// Order p of the matrices.

@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, Point3};
 use serde::{Deserialize, Serialize};
+use thiserror::Error;
 
 use super::choice::{Choice, Chooser};
 use super::survey::Survey;
@@ -54,6 +55,26 @@ pub struct Plan {
     pub joints: Vec<String>,
     /// The poses, by ascending id.
     pub poses: Vec<PlannedPose>,
+}
+
+/// Why a text is not a plan.
+#[derive(Debug, Error)]
+pub enum PlanReadError {
+    /// It is not JSON, or a key is missing or of the wrong type.
+    #[error("not a plan: {0}")]
+    Json(#[source] serde_json::Error),
+    /// It is another kind of document.
+    #[error("the key `format` is \"{found}\"; a plan says \"{PLAN_FORMAT}\"")]
+    Format {
+        /// What it says.
+        found: String,
+    },
+    /// It is of another version.
+    #[error("the plan is of version {found}; this program reads version {PLAN_VERSION}")]
+    Version {
+        /// What it says.
+        found: String,
+    },
 }
 
 /// The problem file a plan was made from.
@@ -182,6 +203,22 @@ impl Plan {
             joints: problem.robot.chain.joints.iter().map(|joint| joint.name.clone()).collect(),
             poses: poses.map(|(&i, share)| PlannedPose::new(problem, &survey.views[i], share)).collect(),
         }
+    }
+
+    /// The plan that `text`, the content of a `plan.json`, holds.
+    ///
+    /// # Errors
+    /// When it is not JSON, not a plan, or of a version that this program does not know.
+    pub fn from_json(text: &str) -> Result<Self, PlanReadError> {
+        let value: serde_json::Value = serde_json::from_str(text).map_err(PlanReadError::Json)?;
+        let format = value["format"].as_str().unwrap_or_default();
+        if format != PLAN_FORMAT {
+            return Err(PlanReadError::Format { found: format.to_owned() });
+        }
+        if value["version"] != PLAN_VERSION {
+            return Err(PlanReadError::Version { found: value["version"].to_string() });
+        }
+        serde_json::from_value(value).map_err(PlanReadError::Json)
     }
 
     /// The bytes of `plan.json`.

@@ -6,12 +6,15 @@ mod comparison;
 mod document;
 mod files;
 mod survey;
+mod verify;
 
 pub use candidates::{candidates_csv, candidates_parquet};
 pub use choice::{Choice, Chooser, PlanError};
 pub use comparison::{Comparison, Equivalent, Row, compare, equivalent_kmeans};
 pub use document::{
-    Candidates, CertificateDocument, Intrinsics, PLAN_FORMAT, PLAN_VERSION, Plan, PlannedPose, Pose, ProblemReference,
+    Candidates, CertificateDocument, Intrinsics, PLAN_FORMAT, PLAN_VERSION, Plan, PlanReadError, PlannedPose, Pose,
+    ProblemReference,
 };
 pub use files::{FileError, write_atomically};
 pub use survey::{Survey, SurveyError, survey};
+pub use verify::{VerifyError, verify};

@@ -27,9 +27,15 @@ pub enum InformationFunction {
 impl InformationFunction {
     /// The variance function of a positive semidefinite p×p weight W.
     pub fn variance(weight: &DMatrix<f64>) -> Self {
+        let p = weight.nrows();
         let eigen = weight.clone().symmetric_eigen();
-        let roots = eigen.eigenvalues.map(|λ| λ.max(0.0).sqrt());
-        InformationFunction::Variance(eigen.eigenvectors * DMatrix::from_diagonal(&roots))
+        // Eigenvalues of rounding's size are zero; as columns of L they would be noise that log Φ° takes for signal.
+        let least = eigen.eigenvalues.max() * p as f64 * f64::EPSILON;
+        let columns: Vec<_> = (0..p)
+            .filter(|&j| eigen.eigenvalues[j] > least)
+            .map(|j| eigen.eigenvectors.column(j) * eigen.eigenvalues[j].sqrt())
+            .collect();
+        InformationFunction::Variance(DMatrix::from_fn(p, columns.len(), |i, j| columns[j][i]))
     }
 
     /// `log Φ(M)` of a packed matrix of order p, which serves as work space; −∞ if M is singular.
@@ -85,8 +91,10 @@ impl InformationFunction {
                 if cholesky(&mut l, p) { (p as f64).ln() + log_det(&l, p) / p as f64 } else { f64::NEG_INFINITY }
             }
             InformationFunction::Variance(factor) => {
-                let inner = factor.transpose() * unpack(y, p) * factor;
-                2.0 * inner.symmetric_eigenvalues().iter().map(|λ| λ.max(0.0).sqrt()).sum::<f64>().ln()
+                let eigenvalues = (factor.transpose() * unpack(y, p) * factor).symmetric_eigenvalues();
+                // A bound must not gain from rounding, which the root would magnify where an eigenvalue is small.
+                let rounding = 4.0 * p as f64 * f64::EPSILON * eigenvalues.amax();
+                2.0 * eigenvalues.iter().map(|λ| (λ - rounding).max(0.0).sqrt()).sum::<f64>().ln()
             }
         }
     }

@@ -7,26 +7,23 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use super::chi_square::deviation_interval;
-use super::simulation::{simulate, trial_seed};
+use super::simulation::{Scene, trial_seed};
 use crate::calibration::{Calibration, CalibrationError, CalibrationSettings, ObservationError, calibrate};
 use crate::camera::Camera;
-use crate::spatial::Pose;
 use crate::target::Board;
 
 /// Confidence of the intervals.
 const CONFIDENCE: f64 = 0.99;
 
 /// What is simulated.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub struct Trials<'a> {
-    /// The true camera.
+    /// The nominal camera. A calibration learns from it the lens model and the intrinsics that are not estimated.
     pub camera: &'a Camera,
     /// The board.
     pub board: &'a Board,
-    /// The true poses `X_CT` of the views.
-    pub poses: &'a [Pose],
-    /// Standard deviation of a pixel coordinate, px.
-    pub sigma: f64,
+    /// What is really there in a trial, by its number.
+    pub scene: &'a (dyn Fn(usize) -> Scene + Sync),
     /// The intrinsics to estimate, as indices into [`Camera::intrinsics`]; the calibration knows the others.
     pub estimated: &'a [usize],
     /// How each set is calibrated.
@@ -42,7 +39,7 @@ pub struct Trials<'a> {
 pub struct Prediction<'a> {
     /// Covariance of the estimated intrinsics.
     pub covariance: &'a DMatrix<f64>,
-    /// `W`: `√(δᵀWδ)` is the map error, px, of a deviation δ of the estimated intrinsics (MATHEMATICS.md, section 3).
+    /// `W`: `√(δᵀWδ)` is the map error, px, of a deviation δ of the estimated intrinsics.
     pub map_weight: &'a DMatrix<f64>,
 }
 
@@ -61,7 +58,7 @@ pub enum MonteCarloError {
         /// Estimated intrinsics.
         expected: usize,
     },
-    /// A predicted variance or the noise is not positive.
+    /// A predicted variance is not positive.
     #[error("the {name} is {value}; it must be positive and finite")]
     NotPositive {
         /// What it is.
@@ -110,8 +107,8 @@ pub struct Failure {
 pub struct ParameterStatistics {
     /// Its name.
     pub name: &'static str,
-    /// Its true value.
-    pub truth: f64,
+    /// Its nominal value.
+    pub nominal: f64,
     /// Mean of the estimates less the true value.
     pub bias: f64,
     /// Standard deviation of the estimates about their mean.
@@ -176,15 +173,14 @@ pub fn monte_carlo(
     let outcomes: Vec<_> = (0..trials.count).into_par_iter().map(run).collect();
 
     let p = trials.estimated.len();
-    let truth = trials.camera.intrinsics();
     let mut failures = Vec::new();
     let mut deviations = Vec::with_capacity(trials.count);
     let mut mean_square = 0.0;
     for (trial, outcome) in outcomes.into_iter().enumerate() {
         match outcome {
-            Ok(found) => {
+            Ok((truth, found)) => {
                 mean_square += found.rms * found.rms;
-                let θ = found.camera.intrinsics();
+                let (θ, truth) = (found.camera.intrinsics(), truth.intrinsics());
                 deviations.push(DVector::from_fn(p, |i, _| θ[trials.estimated[i]] - truth[trials.estimated[i]]));
             }
             Err(reason) => failures.push(Failure { trial, reason }),
@@ -204,14 +200,16 @@ pub fn monte_carlo(
     })
 }
 
-fn run_trial(trials: &Trials<'_>, trial: usize) -> Result<Calibration, TrialFailure> {
-    let Trials { camera, board, poses, sigma, estimated, settings, seed, .. } = trials;
-    let observations = simulate(camera, board, poses, *sigma, trial_seed(*seed, trial))?;
+/// The true camera of a trial and what was found.
+fn run_trial(trials: &Trials<'_>, trial: usize) -> Result<(Camera, Calibration), TrialFailure> {
+    let Trials { camera, board, scene, estimated, settings, seed, .. } = trials;
+    let scene = scene(trial);
+    let observations = scene.observe(board, trial_seed(*seed, trial))?;
     let found = calibrate(&observations, camera, estimated, settings)?;
     if !found.convergence.converged {
         return Err(TrialFailure::NotConverged { iterations: found.convergence.iterations });
     }
-    Ok(found)
+    Ok((scene.camera, found))
 }
 
 fn parameters(
@@ -229,7 +227,7 @@ fn parameters(
         let ratio = sampled_sigma / predicted_sigma;
         ParameterStatistics {
             name: names[j],
-            truth: trials.camera.intrinsics()[j],
+            nominal: trials.camera.intrinsics()[j],
             bias: bias[i],
             sampled_sigma,
             predicted_sigma,
@@ -267,12 +265,8 @@ fn check(trials: &Trials<'_>, prediction: &Prediction<'_>) -> Result<(), MonteCa
     if let Some(&index) = trials.estimated.iter().find(|&&j| j >= count) {
         return Err(MonteCarloError::Parameter { index, count });
     }
-    let variances = prediction.covariance.diagonal();
-    let predicted = variances.iter().map(|&v| ("predicted variance", v));
-    for (name, value) in predicted.chain([("noise", trials.sigma)]) {
-        if !(value > 0.0 && value.is_finite()) {
-            return Err(MonteCarloError::NotPositive { name, value });
-        }
+    if let Some(&value) = prediction.covariance.diagonal().iter().find(|&&v| !(v > 0.0 && v.is_finite())) {
+        return Err(MonteCarloError::NotPositive { name: "predicted variance", value });
     }
     Ok(())
 }
@@ -280,6 +274,8 @@ fn check(trials: &Trials<'_>, prediction: &Prediction<'_>) -> Result<(), MonteCa
 #[cfg(test)]
 mod tests {
     use nalgebra::Vector3;
+
+    use crate::spatial::Pose;
 
     use super::*;
     use crate::calibration::Start;
@@ -306,7 +302,7 @@ mod tests {
 
     /// The covariance at the truth: that of a refinement of noise-free corners, brought to `sigma`.
     fn predicted(estimated: &[usize], sigma: f64) -> DMatrix<f64> {
-        let observations = simulate(&camera(), &BOARD, &poses(), 1e-4, 0).unwrap();
+        let observations = crate::verification::simulate(&camera(), &BOARD, &poses(), 1e-4, 0).unwrap();
         let start = Start { camera: camera(), poses: poses() };
         let found = refine(&observations, start, estimated, &CalibrationSettings::default()).unwrap();
         found.covariance * (sigma / found.sigma).powi(2)
@@ -322,8 +318,12 @@ mod tests {
         let trials = Trials {
             camera: &camera,
             board: &BOARD,
-            poses: &poses,
-            sigma,
+            scene: &|_| Scene {
+                camera: camera.clone(),
+                poses: poses.clone(),
+                sigma: vec![sigma; poses.len()],
+                missing: 0.0,
+            },
             estimated: &estimated,
             settings: CalibrationSettings::default(),
             count: 400,
@@ -362,8 +362,12 @@ mod tests {
         let trials = Trials {
             camera: &camera,
             board: &BOARD,
-            poses: &poses,
-            sigma: 0.3,
+            scene: &|_| Scene {
+                camera: camera.clone(),
+                poses: poses.to_vec(),
+                sigma: vec![0.3; poses.len()],
+                missing: 0.0,
+            },
             estimated: &estimated,
             settings: CalibrationSettings::default(),
             count: 20,

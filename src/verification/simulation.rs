@@ -1,22 +1,58 @@
 //! Simulated detections.
 
-use nalgebra::Vector2;
+use nalgebra::{Point3, Vector2};
 use rand::{Rng, RngCore, SeedableRng};
 use rand_distr::StandardNormal;
 use rand_xoshiro::{SplitMix64, Xoshiro256PlusPlus};
 
-use crate::calibration::{Corner, ObservationError, Observations, View};
+use crate::calibration::{Corner, FEWEST_CORNERS, ObservationError, Observations, View};
 use crate::camera::Camera;
 use crate::spatial::Pose;
 use crate::target::Board;
 
-/// The corners of `board` that `camera` sees at the poses `X_CT`, each coordinate with Gaussian noise of `sigma` px.
-///
-/// Corners whose noise-free image lies outside the image are missing. The same `seed` gives the same noise.
+/// What the camera really meets, as against what a plan supposes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    /// The true camera.
+    pub camera: Camera,
+    /// The true pose `X_CT` of the board in each view.
+    pub poses: Vec<Pose>,
+    /// Standard deviation of a pixel coordinate in each view, px.
+    pub sigma: Vec<f64>,
+    /// Chance of each corner to go undetected.
+    pub missing: f64,
+}
+
+impl Scene {
+    /// Detects the corners of `board`: each coordinate with Gaussian noise, those outside the image or unlucky missing.
+    /// Views left with too few corners to calibrate from are missing too. The same `seed` gives the same noise.
+    ///
+    /// # Errors
+    /// [`ObservationError`] where no view is left, or one cannot be calibrated from for another reason.
+    pub fn observe(&self, board: &Board, seed: u64) -> Result<Observations, ObservationError> {
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
+        let mut views: Vec<View> = Vec::with_capacity(self.poses.len());
+        for (X_CT, sigma) in self.poses.iter().zip(&self.sigma) {
+            let mut see = |(index, p_T): (usize, Point3<f64>)| {
+                let pixel = self.camera.project(&(X_CT * p_T)).filter(|pixel| self.camera.contains(pixel, 0.0))?;
+                if self.missing > 0.0 && rng.gen_bool(self.missing) {
+                    return None;
+                }
+                let noise = Vector2::new(rng.sample(StandardNormal), rng.sample(StandardNormal));
+                Some(Corner { index, pixel: pixel + noise * *sigma })
+            };
+            views.push(board.corners().enumerate().filter_map(&mut see).collect());
+        }
+        views.retain(|view| view.len() >= FEWEST_CORNERS);
+        Observations::new(*board, self.camera.width(), self.camera.height(), views)
+    }
+}
+
+/// The corners of `board` that `camera` sees at the poses `X_CT`, each coordinate with Gaussian noise of `sigma` px: a
+/// [`Scene`] as planned.
 ///
 /// # Errors
-/// [`ObservationError`] where what is left of a view cannot be calibrated from, say because the board is mostly out
-/// of the image.
+/// As [`Scene::observe`].
 pub fn simulate(
     camera: &Camera,
     board: &Board,
@@ -24,17 +60,8 @@ pub fn simulate(
     sigma: f64,
     seed: u64,
 ) -> Result<Observations, ObservationError> {
-    let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
-    let mut see = |X_CT: &Pose| -> View {
-        let visible = board.corners().enumerate().filter_map(|(index, p_T)| {
-            let pixel = camera.project(&(X_CT * p_T)).filter(|pixel| camera.contains(pixel, 0.0))?;
-            let noise = Vector2::new(rng.sample(StandardNormal), rng.sample(StandardNormal));
-            Some(Corner { index, pixel: pixel + noise * sigma })
-        });
-        visible.collect()
-    };
-    let views = poses.iter().map(&mut see).collect();
-    Observations::new(*board, camera.width(), camera.height(), views)
+    let scene = Scene { camera: camera.clone(), poses: poses.to_vec(), sigma: vec![sigma; poses.len()], missing: 0.0 };
+    scene.observe(board, seed)
 }
 
 /// The seed of one of many trials. A hash: seeds that differ by little would give streams that overlap or correlate.
@@ -74,7 +101,7 @@ mod tests {
         assert_eq!(half.corner_count(), 200);
         let behind = Pose::new(Vector3::new(0.0, 0.0, -1.0), Vector3::zeros());
         let error = simulate(&camera(), &BOARD, &[behind], 0.0, 1).unwrap_err();
-        assert_eq!(error, ObservationError::TooFewCorners { view: 0, found: 0 });
+        assert_eq!(error, ObservationError::NoViews);
     }
 
     #[test]

@@ -1,0 +1,100 @@
+//! How long each stage takes: `cargo bench`.
+
+#![allow(missing_docs, non_snake_case, clippy::expect_used, reason = "a benchmark")]
+
+use std::hint::black_box;
+use std::path::Path;
+use std::time::Duration;
+
+use calipose::information::packed::pack;
+use calipose::information::{Criterion, InformationSet, Measurement};
+use calipose::plan::survey;
+use calipose::problem::Problem;
+use calipose::selection::{InformationFunction, Instance, RelaxationSettings, best, exchange, greedy, relax};
+use calipose::sweep::{AxisRule, sweep};
+use criterion::{Criterion as Bench, Throughput, criterion_group, criterion_main};
+use nalgebra::DMatrix;
+use rand::{Rng, SeedableRng};
+use rand_distr::StandardNormal;
+use rand_xoshiro::Xoshiro256Plus;
+
+fn servosila() -> Problem {
+    Problem::read(Path::new("problems/servosila-engineer.toml")).expect("the shipped problem is valid")
+}
+
+/// Step in degrees of the grid that the sweep is timed on: 57 million configurations.
+const STEP_DEG: f64 = 2.4;
+
+fn sweeping(bench: &mut Bench) {
+    let problem = servosila().with_step(STEP_DEG.to_radians()).expect("the step fits");
+    let mut group = bench.benchmark_group("sweep");
+    group.throughput(Throughput::Elements(problem.space.len() as u64)).sample_size(10);
+    let run = || sweep(&problem.robot, &problem.target, &problem.space, AxisRule::Zone, &|_| {});
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread can be made");
+    group.bench_function("one core", |b| b.iter(|| one.install(|| black_box(run()))));
+    group.bench_function("all cores", |b| b.iter(|| black_box(run())));
+    group.finish();
+}
+
+fn information(bench: &mut Bench) {
+    let problem = servosila();
+    let survey = survey(&problem, &|_| {}).expect("the shipped problem has views");
+    let corners: Vec<_> = problem.target.board.corners().collect();
+    let poses: Vec<_> = survey.views.iter().map(|view| view.X_CT).collect();
+    let measurement =
+        Measurement { camera: &problem.camera, corners: &corners, noise: problem.noise, estimated: &problem.estimated };
+    let mut group = bench.benchmark_group("information");
+    group.throughput(Throughput::Elements(poses.len() as u64));
+    group.bench_function("servosila", |b| b.iter(|| measurement.information_set(black_box(&poses))));
+    group.finish();
+}
+
+/// Greedy, exchange from greedy, and the relaxation from there.
+fn stages(bench: &mut Bench, name: &str, instance: &Instance) {
+    let mut group = bench.benchmark_group(name);
+    group.sample_size(20).measurement_time(Duration::from_secs(4));
+    let settings = RelaxationSettings::default();
+    let picked = greedy(instance).expect("the views determine the parameters");
+    let swapped = exchange(instance, picked.clone());
+    group.bench_function("greedy", |b| b.iter(|| greedy(black_box(instance))));
+    group.bench_function("exchange", |b| b.iter(|| exchange(black_box(instance), picked.clone())));
+    group.bench_function("relaxation", |b| b.iter(|| relax(black_box(instance), &swapped, &settings)));
+    group.bench_function("best", |b| b.iter(|| best(black_box(instance), &settings, 0)));
+    group.finish();
+}
+
+fn selection(bench: &mut Bench) {
+    let survey = survey(&servosila(), &|_| {}).expect("the shipped problem has views");
+    for criterion in Criterion::ALL {
+        let function = match criterion {
+            Criterion::D => InformationFunction::Determinant,
+            Criterion::V => InformationFunction::variance(&survey.map_weight),
+        };
+        let instance = Instance::new(&survey.information, None, &function, 10).expect("the views suffice");
+        stages(bench, &format!("servosila {} k=10", criterion.name()), &instance);
+    }
+}
+
+/// Views of rank six in nine parameters, two decades of units apart and of unequal size.
+fn hetero(n: usize, p: usize) -> InformationSet {
+    let mut rng = Xoshiro256Plus::seed_from_u64(9);
+    let mut normal = move || -> f64 { rng.sample(StandardNormal) };
+    let mut table = Vec::new();
+    for _ in 0..n {
+        let size: Vec<f64> = (0..p).map(|_| (0.5 * normal()).exp()).collect();
+        let unit = |j: usize| 10f64.powf(-1.0 + 2.0 * j as f64 / (p - 1) as f64);
+        let J = DMatrix::from_fn(6, p, |_, j| normal() * size[j] * unit(j));
+        table.extend(pack(&(J.transpose() * J)));
+    }
+    InformationSet::from_packed(p, table).expect("JᵀJ is semidefinite")
+}
+
+fn random_instances(bench: &mut Bench) {
+    let candidates = hetero(10_735, 9);
+    let function = InformationFunction::Determinant;
+    let instance = Instance::new(&candidates, None, &function, 20).expect("the views suffice");
+    stages(bench, "hetero d n=10735 p=9 k=20", &instance);
+}
+
+criterion_group!(benches, sweeping, information, selection, random_instances);
+criterion_main!(benches);

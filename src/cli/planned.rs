@@ -1,0 +1,44 @@
+//! A plan read back, with the problem it was made for.
+
+use std::path::{Path, PathBuf};
+
+use super::failure::Failure;
+use crate::plan::Plan;
+use crate::problem::Problem;
+
+/// A plan and its problem.
+pub(super) struct Planned {
+    pub(super) plan: Plan,
+    pub(super) problem: Problem,
+}
+
+impl Planned {
+    /// Reads the plan at `path` and its problem: `problem` if given, else the file that `run.json` beside the plan names.
+    pub(super) fn read(path: &Path, problem: Option<&Path>) -> Result<Self, Failure> {
+        let refused = |reason: String| Failure::PlanFile { path: path.to_owned(), reason };
+        let text = std::fs::read_to_string(path).map_err(|error| refused(error.to_string()))?;
+        let plan = Plan::from_json(&text).map_err(|error| refused(error.to_string()))?;
+        let problem_path = problem
+            .map(Path::to_owned)
+            .or_else(|| named_by_run(path))
+            .ok_or_else(|| refused("no run.json beside it tells the problem file; name it with --problem".into()))?;
+        let problem = Problem::read(&problem_path)?;
+        if problem.sha256 != plan.problem.sha256 {
+            return Err(refused(format!(
+                "it was made from another version of {}; make a new plan, or name the old file with --problem",
+                problem_path.display()
+            )));
+        }
+        let dof = problem.robot.chain.dof();
+        if plan.poses.is_empty() || plan.poses.iter().any(|pose| pose.joints_rad.len() != dof) {
+            return Err(refused(format!("its poses do not have the robot's {dof} joint values")));
+        }
+        Ok(Self { plan, problem })
+    }
+}
+
+fn named_by_run(plan: &Path) -> Option<PathBuf> {
+    let text = std::fs::read_to_string(plan.with_file_name("run.json")).ok()?;
+    let run: serde_json::Value = serde_json::from_str(&text).ok()?;
+    run["problem"]["file"].as_str().map(PathBuf::from)
+}

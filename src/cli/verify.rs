@@ -1,0 +1,198 @@
+//! `calipose verify`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::{Value, json};
+
+use super::failure::Failure;
+use super::planned::Planned;
+use super::screen::{Screen, short, table};
+use crate::plan::{Plan, verify};
+use crate::verification::{Disturbance, MonteCarlo};
+
+#[derive(Debug, Args)]
+pub(super) struct VerifyArguments {
+    /// Plan, as `calipose plan` wrote it
+    plan: PathBuf,
+    /// Problem file [default: the one that run.json beside the plan names]
+    #[arg(long)]
+    problem: Option<PathBuf>,
+    /// Number of simulated calibrations
+    #[arg(long, short = 'n', default_value_t = 500)]
+    trials: usize,
+    /// Seed of the simulation
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    #[command(flatten)]
+    disturbance: DisturbanceArguments,
+}
+
+/// What the prediction leaves out.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "What the prediction leaves out")]
+struct DisturbanceArguments {
+    /// Nominal focal lengths and principal point off by this many percent (one standard deviation)
+    #[arg(long, default_value_t = 0.0, value_name = "PERCENT")]
+    intrinsics_off: f64,
+    /// Standard deviation of every revolute joint, in degrees
+    #[arg(long, default_value_t = 0.0, value_name = "DEG")]
+    joint_noise: f64,
+    /// Error of the camera mount's orientation, in degrees about each axis
+    #[arg(long, default_value_t = 0.0, value_name = "DEG")]
+    mount_rotation: f64,
+    /// Error of the camera mount's position, in mm along each axis
+    #[arg(long, default_value_t = 0.0, value_name = "MM")]
+    mount_translation: f64,
+    /// Noise grows by this factor times (1/cos(tilt) - 1)
+    #[arg(long, default_value_t = 0.0, value_name = "FACTOR")]
+    noise_with_tilt: f64,
+    /// Noise grows by this factor times (distance / nearest view's distance - 1)
+    #[arg(long, default_value_t = 0.0, value_name = "FACTOR")]
+    noise_with_distance: f64,
+    /// Share of the corners that go undetected, in percent
+    #[arg(long, default_value_t = 0.0, value_name = "PERCENT")]
+    missing: f64,
+}
+
+impl DisturbanceArguments {
+    fn disturbance(&self) -> Result<Disturbance, Failure> {
+        let named = [
+            ("--intrinsics-off", self.intrinsics_off, 50.0),
+            ("--joint-noise", self.joint_noise, 180.0),
+            ("--mount-rotation", self.mount_rotation, 180.0),
+            ("--mount-translation", self.mount_translation, 1e6),
+            ("--noise-with-tilt", self.noise_with_tilt, 1e6),
+            ("--noise-with-distance", self.noise_with_distance, 1e6),
+            ("--missing", self.missing, 99.0),
+        ];
+        for (name, value, most) in named {
+            if !(0.0..=most).contains(&value) {
+                return Err(Failure::Usage(format!("{name} is {value}; it must be from 0 to {most}")));
+            }
+        }
+        Ok(Disturbance {
+            intrinsics: self.intrinsics_off / 100.0,
+            joints: self.joint_noise.to_radians(),
+            mount_rotation: self.mount_rotation.to_radians(),
+            mount_translation: self.mount_translation / 1e3,
+            noise_with_tilt: self.noise_with_tilt,
+            noise_with_distance: self.noise_with_distance,
+            missing: self.missing / 100.0,
+        })
+    }
+}
+
+pub(super) fn run(arguments: &VerifyArguments, screen: &mut Screen) -> Result<(), Failure> {
+    if arguments.trials < 2 {
+        return Err(Failure::Usage("--trials must be at least 2".into()));
+    }
+    let disturbance = arguments.disturbance.disturbance()?;
+    let Planned { plan, problem } = Planned::read(&arguments.plan, arguments.problem.as_deref())?;
+    let bar = screen.progress("calibrating", arguments.trials);
+    let configurations: Vec<Vec<f64>> = plan.poses.iter().map(|pose| pose.joints_rad.clone()).collect();
+    let verified = verify(&problem, &configurations, &disturbance, arguments.trials, arguments.seed, &|_| bar.inc(1));
+    bar.finish_and_clear();
+    let found = verified?;
+    screen.document(&document(&plan, &found, arguments.seed).to_string())?;
+    let rows: Vec<Vec<String>> = found
+        .parameters
+        .iter()
+        .map(|p| {
+            vec![
+                p.name.to_owned(),
+                short(p.predicted_sigma),
+                short(p.sampled_sigma),
+                format!("{:.3}", p.ratio),
+                format!("{:.3} - {:.3}", p.interval.0, p.interval.1),
+                short(p.bias),
+            ]
+        })
+        .collect();
+    let header = ["intrinsic", "predicted sigma", "sampled sigma", "ratio", "99 % interval", "bias"];
+    screen.text(&format!(
+        "{}: {} poses, {} simulated calibrations.\n\n{}\n\nMap error: {} px predicted, {} px measured (standard error {}).\n{}\n{}",
+        plan.problem.name,
+        plan.count,
+        found.count,
+        table(&header, &rows),
+        short(found.map_error.predicted),
+        short(found.map_error.measured),
+        short(found.map_error.standard_error),
+        failures(&found),
+        verdict(&found),
+    ))
+}
+
+/// How many trials failed, and why.
+pub(super) fn failures(found: &MonteCarlo) -> String {
+    if found.failures.is_empty() {
+        return String::from("Every calibration converged.");
+    }
+    let mut reasons: Vec<(String, usize)> = Vec::new();
+    for failure in &found.failures {
+        let reason = failure.reason.to_string();
+        match reasons.iter_mut().find(|(known, _)| *known == reason) {
+            Some((_, count)) => *count += 1,
+            None => reasons.push((reason, 1)),
+        }
+    }
+    reasons.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+    let lines: Vec<String> = reasons.iter().take(5).map(|(reason, count)| format!("  {count}: {reason}")).collect();
+    format!("{} of {} calibrations failed:\n{}", found.failures.len(), found.count, lines.join("\n"))
+}
+
+/// What the trials say of the plan, in words.
+pub(super) fn verdict(found: &MonteCarlo) -> String {
+    if found.failures.len() + 2 > found.count {
+        return String::from("Verdict: the plan does not lead to a calibration.");
+    }
+    let worse: Vec<&str> = found.parameters.iter().filter(|p| p.interval.0 > 1.0).map(|p| p.name).collect();
+    let better: Vec<&str> = found.parameters.iter().filter(|p| p.interval.1 < 1.0).map(|p| p.name).collect();
+    match (worse.is_empty(), better.is_empty()) {
+        (true, true) => String::from("Verdict: the plan does what it predicts; every interval of the ratio holds 1."),
+        (true, false) => format!("Verdict: the plan does better than predicted in {}.", better.join(", ")),
+        (false, _) => format!("Verdict: the plan does worse than predicted in {}.", worse.join(", ")),
+    }
+}
+
+/// The document of `--json`, and of `verification.json`.
+pub(super) fn document(plan: &Plan, found: &MonteCarlo, seed: u64) -> Value {
+    let parameters: Vec<Value> = found
+        .parameters
+        .iter()
+        .map(|p| {
+            json!({
+                "name": p.name,
+                "predicted_sigma": p.predicted_sigma,
+                "sampled_sigma": p.sampled_sigma,
+                "ratio": p.ratio,
+                "ratio_interval": [p.interval.0, p.interval.1],
+                "bias": p.bias,
+            })
+        })
+        .collect();
+    json!({
+        "format": "calipose.verification",
+        "version": 1,
+        "problem": { "name": plan.problem.name, "sha256": plan.problem.sha256 },
+        "count": plan.count,
+        "trials": found.count,
+        "seed": seed,
+        "confidence": 0.99,
+        "parameters": parameters,
+        "map_error_px": {
+            "predicted": found.map_error.predicted,
+            "measured": found.map_error.measured,
+            "standard_error": found.map_error.standard_error,
+        },
+        "rms_px": found.rms,
+        "failed": found.failures.len(),
+        "failures": found
+            .failures
+            .iter()
+            .map(|failure| json!({ "trial": failure.trial, "reason": failure.reason.to_string() }))
+            .collect::<Vec<_>>(),
+        "verdict": verdict(found),
+    })
+}

@@ -1,0 +1,146 @@
+//! Modules import only from those above them, and file formats and the terminal stay out of the mathematics.
+
+#![allow(clippy::unwrap_used)]
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// The modules; each may use those above it.
+const ORDER: [&str; 16] = [
+    "spatial",
+    "camera",
+    "target",
+    "robot",
+    "sweep",
+    "feasibility",
+    "information",
+    "selection",
+    "calibration",
+    "verification",
+    "formats",
+    "problem",
+    "plan",
+    "report",
+    "study",
+    "cli",
+];
+
+/// Crates that read files or talk to people, and the modules that may.
+const OUTWARD: [&str; 5] = ["serde", "toml", "saphyr_parser", "clap", "indicatif"];
+const OUTWARD_MODULES: [&str; 6] = ["formats", "problem", "plan", "report", "study", "cli"];
+
+/// A source file, and the module at the crate's root that it belongs to.
+struct Source {
+    path: PathBuf,
+    module: String,
+    code: String,
+}
+
+fn files_below(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let mut files: Vec<PathBuf> =
+        entries.flat_map(|path| if path.is_dir() { files_below(&path) } else { vec![path] }).collect();
+    files.sort();
+    files.retain(|path| path.extension().is_some_and(|extension| extension == "rs"));
+    files
+}
+
+/// `text` without comments; what it says between quotes stays.
+fn without_comments(text: &str) -> String {
+    let code = |line: &str| line.split_once("//").map_or(line, |(code, _)| code).to_owned();
+    text.lines().map(code).collect::<Vec<_>>().join("\n")
+}
+
+fn sources() -> Vec<Source> {
+    let root = Path::new("src");
+    let source = |path: PathBuf| {
+        let first = path.strip_prefix(root).unwrap().components().next().unwrap();
+        let module = Path::new(first.as_os_str()).file_stem().unwrap().to_string_lossy().into_owned();
+        Source { module, code: without_comments(&std::fs::read_to_string(&path).unwrap()), path }
+    };
+    let sources: Vec<Source> = files_below(root).into_iter().map(source).collect();
+    assert!(sources.len() > 20, "the sources were not found");
+    sources.into_iter().filter(|source| !["lib", "main"].contains(&source.module.as_str())).collect()
+}
+
+fn is_word(c: char) -> bool {
+    c.is_alphanumeric() || c == '_'
+}
+
+/// The modules that `code` names after `crate::`, also as in `crate::{a, b::c}`.
+fn imported(code: &str) -> BTreeSet<String> {
+    let first_word = |text: &str| text.trim_start().chars().take_while(|&c| is_word(c)).collect::<String>();
+    let mut found = BTreeSet::new();
+    for (at, _) in code.match_indices("crate::") {
+        if code[..at].ends_with(is_word) || code[..at].ends_with('$') {
+            continue;
+        }
+        let rest = &code[at + "crate::".len()..];
+        let Some(group) = rest.strip_prefix('{') else {
+            found.insert(first_word(rest));
+            continue;
+        };
+        let mut depth = 0;
+        for item in group.split_inclusive([',', '{', '}']) {
+            if depth == 0 {
+                found.insert(first_word(item));
+            }
+            match item.chars().last() {
+                Some('{') => depth += 1,
+                Some('}') if depth == 0 => break,
+                Some('}') => depth -= 1,
+                _ => {}
+            }
+        }
+    }
+    found.remove("");
+    found
+}
+
+fn place(module: &str) -> Option<usize> {
+    ORDER.iter().position(|&other| other == module)
+}
+
+#[test]
+fn imports_are_found_in_all_their_forms() {
+    let code = "use crate::camera::{Camera, Lens};\nuse crate::{spatial::{Pose, skew}, target, robot::dh};\n\
+                let x: crate::sweep::Sweep; use other_crate::plan; macro!($crate::study);";
+    let expected = ["camera", "robot", "spatial", "sweep", "target"];
+    assert_eq!(imported(code).iter().map(String::as_str).collect::<Vec<_>>(), expected);
+    assert_eq!(without_comments("a // crate::cli\n/// b\nc"), "a \n\nc");
+}
+
+#[test]
+fn every_module_has_its_place() {
+    for source in sources() {
+        assert!(place(&source.module).is_some(), "{} belongs to no module of the order", source.path.display());
+    }
+}
+
+#[test]
+fn modules_import_only_from_those_above() {
+    for source in sources() {
+        for import in imported(&source.code) {
+            let Some(above) = place(&import) else {
+                panic!("{} names crate::{import}, which is no module of the order", source.path.display());
+            };
+            let own = place(&source.module).unwrap();
+            assert!(above <= own, "{}: `{}` may not use `{import}`", source.path.display(), source.module);
+        }
+    }
+}
+
+#[test]
+fn the_mathematics_knows_neither_files_nor_terminals() {
+    for source in sources() {
+        if OUTWARD_MODULES.contains(&source.module.as_str()) {
+            continue;
+        }
+        let words = source.code.split(|c| !is_word(c));
+        for word in words {
+            // serde_json and toml_edit are as little welcome as serde and toml.
+            let outward = OUTWARD.iter().find(|&&name| word == name || word.starts_with(&format!("{name}_")));
+            assert!(outward.is_none(), "{} mentions {word}", source.path.display());
+        }
+    }
+}

@@ -1,0 +1,467 @@
+//! Every command does what its help says, as someone new to it would try: output, files and exit codes.
+
+#![allow(clippy::unwrap_used)]
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::record::Field;
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// A problem that is solved in no time: the shipped one, swept coarsely.
+struct Desk {
+    folder: TempDir,
+}
+
+impl Desk {
+    fn new() -> Self {
+        let desk = Self { folder: tempfile::tempdir().unwrap() };
+        std::fs::copy("problems/servosila-engineer.toml", desk.path("coarse.toml")).unwrap();
+        desk.change("coarse.toml", &[("step_deg = 8", "step_deg = 15")]);
+        desk
+    }
+
+    /// Writes the coarse problem under another name, with some of its text replaced.
+    fn change(&self, name: &str, replacements: &[(&str, &str)]) {
+        let mut text = std::fs::read_to_string(self.path("coarse.toml")).unwrap();
+        for (from, to) in replacements {
+            assert!(text.contains(from), "{from}");
+            text = text.replace(from, to);
+        }
+        std::fs::write(self.path(name), text).unwrap();
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// The program in this folder with arguments as typed.
+    fn command(&self, line: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_calipose"));
+        command.current_dir(self.folder.path()).args(line.split_whitespace()).stdin(Stdio::null());
+        command
+    }
+
+    fn run(&self, line: &str) -> Output {
+        self.command(line).output().unwrap()
+    }
+
+    /// What a command that must succeed prints.
+    fn stdout(&self, line: &str) -> String {
+        let output = self.run(line);
+        assert_eq!(output.status.code(), Some(0), "{line}: {}", text(&output.stderr));
+        assert_eq!(text(&output.stderr), "", "{line}");
+        text(&output.stdout)
+    }
+
+    fn json(&self, line: &str) -> Value {
+        serde_json::from_str(&self.stdout(line)).unwrap()
+    }
+
+    /// What a command that must fail with `code` complains of; stdout must stay empty.
+    fn complaint(&self, line: &str, code: i32) -> String {
+        let output = self.run(line);
+        assert_eq!(output.status.code(), Some(code), "{line}: {}", text(&output.stderr));
+        assert_eq!(text(&output.stdout), "", "{line}");
+        assert!(!text(&output.stderr).contains("bug"), "{}", text(&output.stderr));
+        // Errors are drawn to the terminal's width; the words matter here.
+        text(&output.stderr).replace('│', " ").split_whitespace().collect::<Vec<_>>().join(" ")
+    }
+
+    fn files(&self, folder: &str) -> Vec<String> {
+        let entries = std::fs::read_dir(self.path(folder)).unwrap();
+        let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+fn read_json(path: &Path) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+fn keys(value: &Value) -> Vec<&str> {
+    value.as_object().unwrap().keys().map(String::as_str).collect()
+}
+
+/// Header and rows of a CSV file of numbers.
+fn read_csv(path: &Path) -> (Vec<String>, Vec<Vec<f64>>) {
+    let mut reader = csv::Reader::from_path(path).unwrap();
+    let header = reader.headers().unwrap().iter().map(String::from).collect();
+    let numbers = |record: csv::StringRecord| record.iter().map(|field| field.parse().unwrap()).collect();
+    let rows = reader.records().map(|record| numbers(record.unwrap())).collect();
+    (header, rows)
+}
+
+#[test]
+fn plan_says_and_writes_what_it_found() {
+    let desk = Desk::new();
+    let summary = desk.stdout("plan coarse.toml -k 10 -o out");
+    for words in ["certified efficiency", "see the whole board", "predicted sigma", "k-means", "Written to out"] {
+        assert!(summary.contains(words), "{words:?} is missing from\n{summary}");
+    }
+    assert_eq!(desk.files("out"), ["plan.csv", "plan.json", "run.json", "verification.json"]);
+
+    let plan = read_json(&desk.path("out/plan.json"));
+    let documented = [
+        "format",
+        "version",
+        "problem",
+        "criterion",
+        "method",
+        "count",
+        "seed",
+        "value",
+        "bound",
+        "efficiency",
+        "candidates",
+        "intrinsics",
+        "map_error_px",
+        "certificate",
+        "poses",
+    ];
+    for key in documented {
+        assert!(keys(&plan).contains(&key), "{key}");
+    }
+    assert_eq!(plan["format"], "calipose.plan");
+    assert_eq!(plan["version"], 1);
+    assert_eq!(keys(&plan["problem"]), ["name", "sha256"]);
+    assert_eq!(keys(&plan["candidates"]), ["swept", "axis_inside", "axis_edge", "kept", "rejected"]);
+    assert_eq!(keys(&plan["intrinsics"]), ["names", "nominal", "sigma"]);
+    assert_eq!(keys(&plan["certificate"]), ["matrix"]);
+    let poses = plan["poses"].as_array().unwrap();
+    assert_eq!(poses.len(), 10);
+    for pose in poses {
+        let documented =
+            ["id", "joints_rad", "joints_deg", "camera_in_base", "target_point_m", "tilt_deg", "distance_m", "share"];
+        assert_eq!(keys(pose), documented);
+        assert_eq!(keys(&pose["camera_in_base"]), ["position_m", "quaternion_xyzw"]);
+        for (rad, deg) in pose["joints_rad"].as_array().unwrap().iter().zip(pose["joints_deg"].as_array().unwrap()) {
+            assert!((rad.as_f64().unwrap().to_degrees() - deg.as_f64().unwrap()).abs() < 1e-9);
+        }
+        assert!((pose["target_point_m"][2].as_f64().unwrap() + 0.098).abs() < 1e-9, "the board's plane");
+    }
+    let shares: f64 = poses.iter().map(|pose| pose["share"].as_f64().unwrap()).sum();
+    assert!((shares - 1.0).abs() < 1e-9);
+    let number = |key: &str| plan[key].as_f64().unwrap();
+    assert!((number("efficiency") - number("bound") / number("value")).abs() < 1e-9, "v is a variance");
+    assert!((number("map_error_px").powi(2) - number("value")).abs() < 1e-9);
+    let rejected: u64 = plan["candidates"]["rejected"].as_object().unwrap().values().map(|n| n.as_u64().unwrap()).sum();
+    let count = |key: &str| plan["candidates"][key].as_u64().unwrap();
+    assert_eq!(count("axis_inside") + count("axis_edge"), count("kept") + rejected);
+
+    let (header, rows) = read_csv(&desk.path("out/plan.csv"));
+    assert_eq!(header[..3], ["id", "joint_waist", "joint_shoulder"]);
+    assert_eq!(rows.len(), 10);
+    for (row, pose) in rows.iter().zip(poses) {
+        assert_eq!(row[0], pose["id"].as_f64().unwrap());
+        assert_eq!(row[1], pose["joints_rad"][0].as_f64().unwrap());
+        assert_eq!(row.last(), pose["share"].as_f64().as_ref());
+    }
+    assert_eq!(keys(&read_json(&desk.path("out/run.json"))["seconds"]), ["survey", "selection", "total"]);
+}
+
+#[test]
+fn every_method_and_criterion_can_be_asked_for() {
+    let desk = Desk::new();
+    let best = desk.json("plan coarse.toml --json -k 20 -o best")["efficiency"].as_f64().unwrap();
+    for method in ["relaxation", "exchange", "greedy", "random", "kmeans-joints", "kmeans-positions"] {
+        let plan = desk.json(&format!("plan coarse.toml --json -k 20 --method {method} -o {method}"));
+        assert_eq!(plan["method"], method);
+        assert_eq!(plan["poses"].as_array().unwrap().len(), 20, "{method}");
+        assert!(plan["efficiency"].as_f64().unwrap() <= best, "{method}");
+    }
+    let d = desk.json("plan coarse.toml --json --criterion d -o d");
+    assert_eq!(d["criterion"], "d");
+    let p = d["intrinsics"]["names"].as_array().unwrap().len() as f64;
+    let lost = (d["value"].as_f64().unwrap() - d["bound"].as_f64().unwrap()) / p;
+    assert!((lost.exp() - d["efficiency"].as_f64().unwrap()).abs() < 1e-9, "d is a log determinant");
+}
+
+#[test]
+fn the_candidates_are_the_same_in_both_formats() {
+    let desk = Desk::new();
+    let kept = desk.json("plan coarse.toml --json --candidates csv -o out")["candidates"]["kept"].as_u64().unwrap();
+    assert_eq!(desk.stdout("plan coarse.toml --quiet --candidates parquet -o out"), "");
+    assert_eq!(
+        desk.files("out"),
+        ["candidates.csv", "candidates.parquet", "plan.csv", "plan.json", "run.json", "verification.json"]
+    );
+
+    let (header, rows) = read_csv(&desk.path("out/candidates.csv"));
+    assert_eq!(rows.len() as u64, kept);
+    assert_eq!(header[..5], ["id", "joint_waist", "joint_shoulder", "joint_elbow", "joint_neck"]);
+    assert_eq!(header.len(), 1 + 4 + 7 + 3 + 2);
+    let file = std::fs::File::open(desk.path("out/candidates.parquet")).unwrap();
+    let reader = SerializedFileReader::new(file).unwrap();
+    let mut read = 0;
+    for (record, row) in reader.get_row_iter(None).unwrap().zip(&rows) {
+        let record = record.unwrap();
+        for (((name, field), expected_name), &expected) in record.get_column_iter().zip(&header).zip(row) {
+            assert_eq!(name, expected_name);
+            match field {
+                Field::Long(id) => assert_eq!(*id as f64, expected),
+                Field::Double(number) => assert_eq!(*number, expected, "{name}"),
+                other => panic!("{name} is {other:?}"),
+            }
+        }
+        read += 1;
+    }
+    assert_eq!(read, rows.len());
+}
+
+#[test]
+fn json_is_the_file_and_quiet_is_silent() {
+    let desk = Desk::new();
+    let printed = desk.stdout("plan coarse.toml --json -o out");
+    assert_eq!(printed, std::fs::read_to_string(desk.path("out/plan.json")).unwrap());
+    assert_eq!(desk.stdout("plan coarse.toml --quiet -o quiet"), "");
+    assert_eq!(desk.files("quiet"), ["plan.csv", "plan.json", "run.json", "verification.json"]);
+    assert_eq!(desk.stdout("plan coarse.toml --quiet --json -o out"), printed);
+    for line in [
+        "sweep coarse.toml -q",
+        "check coarse.toml -q",
+        "init new.toml -q",
+        "compare coarse.toml -q -k 10 --seeds 1 --limit 20 --trials 2",
+    ] {
+        assert_eq!(desk.stdout(line), "", "{line}");
+    }
+}
+
+#[test]
+fn a_plan_replaces_the_one_before_whole() {
+    let desk = Desk::new();
+    desk.stdout("plan coarse.toml -q -k 12 -o out");
+    std::fs::write(desk.path("out/plan.json"), "x".repeat(1 << 20)).unwrap();
+    std::fs::write(desk.path("out/notes.txt"), "mine").unwrap();
+    desk.stdout("plan coarse.toml -q -k 10 -o out");
+    assert_eq!(read_json(&desk.path("out/plan.json"))["count"], 10);
+    assert_eq!(read_csv(&desk.path("out/plan.csv")).1.len(), 10);
+    assert_eq!(desk.files("out"), ["notes.txt", "plan.csv", "plan.json", "run.json", "verification.json"]);
+    assert_eq!(std::fs::read_to_string(desk.path("out/notes.txt")).unwrap(), "mine");
+    // A run that fails leaves it alone.
+    let before = std::fs::read(desk.path("out/plan.json")).unwrap();
+    desk.complaint("plan coarse.toml -k 1000000 -o out", 1);
+    assert!(before == std::fs::read(desk.path("out/plan.json")).unwrap());
+}
+
+#[test]
+fn an_output_folder_that_cannot_be_made_is_named() {
+    let desk = Desk::new();
+    std::fs::write(desk.path("taken"), "a file").unwrap();
+    let complaint = desk.complaint("plan coarse.toml -o taken/out", 1);
+    assert!(complaint.contains("cannot write taken/out/plan.json"), "{complaint}");
+    assert!(complaint.contains("writable"), "{complaint}");
+    assert_eq!(std::fs::read_to_string(desk.path("taken")).unwrap(), "a file");
+}
+
+#[test]
+fn too_many_or_too_few_poses_are_explained() {
+    let desk = Desk::new();
+    let complaint = desk.complaint("plan coarse.toml -k 1000000", 1);
+    assert!(complaint.contains("1000000 poses are asked for, but only"), "{complaint}");
+    // Without distortion one view of a plane gives two constraints: two of the four parameters stay open.
+    desk.change(
+        "pinhole.toml",
+        &[
+            ("model = \"brown-conrady\"\nk1 = -0.2\nk2 = 0.05", "model = \"none\""),
+            (", \"k1\", \"k2\", \"p1\", \"p2\", \"k3\"", ""),
+        ],
+    );
+    for method in ["best", "greedy", "random", "kmeans-joints"] {
+        let complaint = desk.complaint(&format!("plan pinhole.toml -k 1 --method {method}"), 1);
+        assert!(complaint.contains("1 poses cannot determine all intrinsics; they leave open: 1.000 "), "{complaint}");
+        assert!(complaint.contains("ask for more poses"), "{complaint}");
+    }
+    assert!(desk.complaint("plan coarse.toml -k 0", 2).contains("at least one pose"));
+    assert!(!desk.path("plans").exists());
+}
+
+#[test]
+fn wrong_command_lines_end_with_two() {
+    let desk = Desk::new();
+    for (line, words) in [
+        ("plan", "<FILE>"),
+        ("plam coarse.toml", "similar"),
+        ("plan coarse.toml --method gredy", "'greedy'"),
+        ("plan coarse.toml --criterion z", "possible values: d, v"),
+        ("plan coarse.toml --count ten", "invalid"),
+        ("plan coarse.toml --candidates xlsx", "parquet"),
+        ("compare coarse.toml --seeds 0", "at least 1"),
+        ("compare coarse.toml -k 0", "at least 1"),
+        ("sweep coarse.toml --step 0", "step"),
+        ("sweep coarse.toml --step NaN", "step"),
+    ] {
+        let complaint = desk.complaint(line, 2);
+        assert!(complaint.contains(words), "{line}: {complaint}");
+    }
+}
+
+#[test]
+fn refused_problem_files_end_with_three() {
+    let desk = Desk::new();
+    desk.change("typo.toml", &[("width_px", "widht_px")]);
+    for command in ["plan", "compare", "sweep", "check"] {
+        let complaint = desk.complaint(&format!("{command} typo.toml"), 3);
+        assert!(complaint.contains("widht_px") && complaint.contains("width_px"), "{complaint}");
+        assert!(desk.complaint(&format!("{command} missing.toml"), 3).contains("missing.toml"));
+    }
+}
+
+#[test]
+fn a_board_out_of_sight_is_explained() {
+    let desk = Desk::new();
+    desk.change("far.toml", &[("position_mm = [232.875, 72.75, -98]", "position_mm = [90000, 0, 2000]")]);
+    assert!(desk.complaint("plan far.toml", 1).contains("points the camera at the target zone"));
+    desk.change("near.toml", &[("[visibility]", "[visibility]\nmin_distance_mm = 90000")]);
+    let complaint = desk.complaint("plan near.toml", 1);
+    assert!(complaint.contains("rejected: ") && complaint.contains("distance"), "{complaint}");
+}
+
+#[test]
+fn compare_sets_the_methods_side_by_side() {
+    let desk = Desk::new();
+    let line = "compare coarse.toml -k 10,15 --seeds 1 --limit 20 --trials 2";
+    let told = desk.stdout(line);
+    for words in ["kmeans-positions", "map error", "sigma fx", "efficiency", "k-means on joints"] {
+        assert!(told.contains(words), "{words:?} is missing from\n{told}");
+    }
+    let document = desk.json(&format!("{line} --json"));
+    assert_eq!(document["format"], "calipose.comparison");
+    assert_eq!(keys(&document), ["format", "version", "problem", "criterion", "rows", "equivalents"]);
+    let rows = document["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 2 * 7);
+    for row in rows {
+        assert_eq!(
+            keys(row),
+            ["method", "count", "value", "map_error_px", "sigma", "measured", "efficiency", "seconds"]
+        );
+        assert!(row["efficiency"].as_f64().unwrap() <= 1.0);
+    }
+    for equivalent in document["equivalents"].as_array().unwrap() {
+        assert_eq!(keys(equivalent), ["count", "method", "equivalent_count", "tried"]);
+        assert!(equivalent["tried"].as_u64().unwrap() <= 20);
+    }
+    assert_eq!(desk.files(".").len(), 1, "compare writes no files");
+}
+
+#[test]
+fn sweep_counts_at_several_steps() {
+    let desk = Desk::new();
+    let document = desk.json("sweep coarse.toml --step 20,10 --json");
+    assert_eq!(document["format"], "calipose.sweep");
+    let sweeps = document["sweeps"].as_array().unwrap();
+    let counts = |key: &str| sweeps.iter().map(|sweep| sweep[key].as_u64().unwrap()).collect::<Vec<_>>();
+    assert_eq!(counts("swept"), [13_860, 210_672]);
+    assert_eq!(counts("candidates"), [364, 4_525]);
+    for sweep in sweeps {
+        let count = |key: &str| sweep[key].as_u64().unwrap();
+        assert_eq!(count("axis_inside") + count("axis_edge") + count("axis_outside"), count("swept"));
+        let rejected: u64 = sweep["rejected"].as_object().unwrap().values().map(|n| n.as_u64().unwrap()).sum();
+        assert_eq!(count("kept") + rejected, count("candidates"));
+    }
+    let told = desk.stdout("sweep coarse.toml --step 20,10");
+    assert!(told.contains("Q*") && told.contains("210 672"), "{told}");
+}
+
+#[test]
+fn init_check_and_plan_lead_a_newcomer_to_a_plan() {
+    let desk = Desk::new();
+    assert!(desk.stdout("init").contains("calipose plan problem.toml"));
+    let complaint = desk.complaint("init problem.toml", 1);
+    assert!(complaint.contains("problem.toml exists already"), "{complaint}");
+    let checked = desk.stdout("check problem.toml");
+    assert!(checked.contains("valid") && checked.contains("configurations"), "{checked}");
+    let document = desk.json("check problem.toml --json");
+    assert_eq!(document["format"], "calipose.check");
+    for key in ["configurations", "estimated_views", "estimated_seconds", "estimated_memory_mb"] {
+        assert!(document[key].as_f64().unwrap() > 0.0, "{key}");
+    }
+    assert_eq!(desk.json("init other.toml --json")["file"], "other.toml");
+    desk.stdout("plan problem.toml -q -o out");
+    assert!(read_json(&desk.path("out/plan.json"))["efficiency"].as_f64().unwrap() > 0.9);
+}
+
+#[test]
+fn schema_describes_the_problem_file() {
+    let desk = Desk::new();
+    let schema = desk.json("schema");
+    assert!(schema["$schema"].is_string());
+    for section in ["robot", "camera", "target", "sweep", "visibility", "noise", "estimate", "selection"] {
+        assert!(schema["properties"][section].is_object(), "{section}");
+    }
+}
+
+/// `calipose plan --json | head -1`: the reader is gone before the document is written.
+#[test]
+fn a_reader_that_leaves_is_no_failure() {
+    let desk = Desk::new();
+    for line in ["plan coarse.toml --json -o out", "schema", "--help"] {
+        let mut child = desk.command(line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{line}: {}", text(&output.stderr));
+        assert_eq!(text(&output.stderr), "", "{line}");
+    }
+}
+
+#[test]
+fn help_and_version_are_there() {
+    let desk = Desk::new();
+    assert!(desk.stdout("--help").contains("Exit codes: 0 done"));
+    assert!(desk.stdout("help plan").contains("--candidates"));
+    assert_eq!(desk.stdout("--version").trim(), format!("calipose {}", env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn verify_holds_the_simulation_against_the_prediction() {
+    let desk = Desk::new();
+    desk.stdout("plan coarse.toml -q -k 12 --trials 0 -o out");
+    assert!(!desk.files("out").contains(&"verification.json".to_owned()));
+    let told = desk.stdout("verify out/plan.json -n 60");
+    for words in ["predicted sigma", "99 % interval", "Every calibration converged", "Verdict: "] {
+        assert!(told.contains(words), "{words:?} is missing from\n{told}");
+    }
+    let line = "verify out/plan.json -n 60 --seed 3 --json";
+    let document = desk.json(line);
+    assert_eq!(document, desk.json(line));
+    assert_eq!(document["format"], "calipose.verification");
+    assert_eq!(document["parameters"].as_array().unwrap().len(), 9);
+    for parameter in document["parameters"].as_array().unwrap() {
+        let ratio = parameter["ratio"].as_f64().unwrap();
+        assert!((0.6..1.5).contains(&ratio), "{parameter}");
+    }
+    // What the prediction leaves out makes the calibration worse.
+    let disturbed = desk.json(&format!("{line} --noise-with-distance 3 --noise-with-tilt 3 --missing 20"));
+    let measured = |document: &Value| document["map_error_px"]["measured"].as_f64().unwrap();
+    assert!(measured(&disturbed) > 1.3 * measured(&document));
+    // A board that leaves the image is lost, not an error.
+    let lost = desk.json(&format!("{line} --mount-rotation 40"));
+    assert!(lost["failed"].as_u64().unwrap() > 0 && lost["failures"][0]["reason"].is_string(), "{lost}");
+}
+
+#[test]
+fn verify_refuses_what_is_no_plan_of_the_problem() {
+    let desk = Desk::new();
+    desk.stdout("plan coarse.toml -q -k 12 --trials 0 -o out");
+    assert!(desk.complaint("verify out/plan.json -n 1", 2).contains("--trials"));
+    assert!(desk.complaint("verify out/plan.json --missing 100", 2).contains("--missing"));
+    assert!(desk.complaint("verify out/missing.json", 3).contains("missing.json"));
+    assert!(desk.complaint("verify out/run.json", 3).contains("calipose.run"));
+    desk.change("changed.toml", &[("sigma_px = 0.3", "sigma_px = 0.4")]);
+    assert!(desk.complaint("verify out/plan.json --problem changed.toml", 3).contains("another version"));
+    std::fs::remove_file(desk.path("out/run.json")).unwrap();
+    assert!(desk.complaint("verify out/plan.json", 3).contains("--problem"));
+    desk.stdout("verify out/plan.json --problem coarse.toml -n 4");
+    let plan = std::fs::read_to_string(desk.path("out/plan.json")).unwrap();
+    std::fs::write(desk.path("out/plan.json"), &plan[..plan.len() / 2]).unwrap();
+    assert!(desk.complaint("verify out/plan.json --problem coarse.toml", 3).contains("not a plan"));
+    std::fs::write(desk.path("out/plan.json"), plan.replace("\"version\": 1", "\"version\": 9")).unwrap();
+    assert!(desk.complaint("verify out/plan.json --problem coarse.toml", 3).contains("version 9"));
+}
