@@ -42,8 +42,8 @@
 //! # Modules
 //!
 //! A module imports only from those before it: [`spatial`], [`camera`], [`target`], [`robot`], [`sweep`], [`feasibility`],
-//! [`information`], [`selection`], [`problem`], [`mod@plan`], [`cli`]. The stages up to `selection` know no files and no
-//! command line; `selection` knows no robots and no cameras either.
+//! [`information`], [`selection`], [`calibration`], [`verification`], [`formats`], [`problem`], [`mod@plan`], [`cli`]. The
+//! stages up to `verification` know no files and no command line; `selection` knows no robots and no cameras either.
 #![allow(
     non_snake_case,
     mixed_script_confusables,
@@ -56,6 +56,7 @@ pub mod calibration;
 pub mod camera;
 pub mod cli;
 pub mod feasibility;
+pub mod formats;
 pub mod information;
 pub mod plan;
 pub mod problem;

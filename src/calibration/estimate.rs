@@ -95,8 +95,8 @@ pub(super) fn summarise(
     })
 }
 
-/// Projection less detection of every corner, px; not finite where there is no projection.
-fn residuals(observations: &Observations, camera: &Camera, poses: &[Pose]) -> Vec<Vec<Vector2<f64>>> {
+/// Projection less detection of every corner of every view, px; not finite where there is no projection.
+pub fn residuals(observations: &Observations, camera: &Camera, poses: &[Pose]) -> Vec<Vec<Vector2<f64>>> {
     let residual = |corner: &Corner, X_CT: &Pose| {
         let p_C = X_CT * Point3::from(observations.on_board(corner).push(0.0));
         camera.project(&p_C).map_or(Vector2::repeat(f64::NAN), |pixel| pixel - corner.pixel)

@@ -18,7 +18,7 @@ mod refinement;
 mod start;
 mod zhang;
 
-pub use estimate::{Calibration, Outlier};
+pub use estimate::{Calibration, Outlier, residuals};
 pub use homography::homography;
 pub use loss::Loss;
 pub use observations::{BORDER_TOLERANCE, Corner, FEWEST_CORNERS, ObservationError, Observations, View};

@@ -1,8 +1,12 @@
 //! Why a command failed, and the exit code that says so.
 
+use std::path::PathBuf;
+
 use miette::Diagnostic;
 use thiserror::Error;
 
+use crate::calibration::CalibrationError;
+use crate::formats::{FileReadError, ReadError, ReadFault};
 use crate::plan::{FileError, PlanError, SurveyError, VerifyError};
 use crate::problem::ProblemError;
 
@@ -18,13 +22,19 @@ pub(super) enum Failure {
     #[error(transparent)]
     #[diagnostic(help("check that the folder exists, is writable and has room; nothing was overwritten"))]
     File(#[from] FileError),
+    #[error("{}: {error}", path.display())]
+    #[diagnostic(help("{}", observations_help(error)))]
+    Observations { path: PathBuf, error: FileReadError },
+    #[error("{}: {error}", path.display())]
+    #[diagnostic(help("{}", calibration_help(error, names)))]
+    Calibration { path: PathBuf, error: CalibrationError, names: Vec<String> },
     #[error("cannot use the plan {}: {reason}", path.display())]
-    PlanFile { path: std::path::PathBuf, reason: String },
+    PlanFile { path: PathBuf, reason: String },
     #[error(transparent)]
     Verify(#[from] VerifyError),
     #[error("{} exists already", .0.display())]
     #[diagnostic(help("give another name, or remove the file first"))]
-    Exists(std::path::PathBuf),
+    Exists(PathBuf),
     #[error("{0}")]
     Usage(String),
     #[error("cannot write the candidates: {0}")]
@@ -36,8 +46,13 @@ pub(super) enum Failure {
 impl Failure {
     pub(super) fn exit_code(&self) -> u8 {
         match self {
-            Failure::Problem(_) | Failure::PlanFile { .. } => 3,
-            Failure::Usage(_) => 2,
+            // A file that does not state its board needs the options that do.
+            Failure::Usage(_)
+            | Failure::Observations {
+                error: FileReadError::Content(ReadError { fault: ReadFault::NotStated { .. }, .. }),
+                ..
+            } => 2,
+            Failure::Problem(_) | Failure::PlanFile { .. } | Failure::Observations { .. } => 3,
             _ => 1,
         }
     }
@@ -66,5 +81,35 @@ fn plan_help(error: &PlanError) -> &'static str {
             "ask for more poses, or take a parameter of the combination out of [estimate]"
         }
         PlanError::Selection(_) | PlanError::Clustering(_) => "this is probably a bug; please report it",
+    }
+}
+
+fn observations_help(error: &FileReadError) -> &'static str {
+    let FileReadError::Content(ReadError { fault, .. }) = error else {
+        return "give a file of detected corners: mrcal's vnl, or calipose's JSON";
+    };
+    match fault {
+        ReadFault::NotStated { what: "board" } => "give --board 8x6 --square-mm 35, or --problem FILE",
+        ReadFault::NotStated { .. } => "give --image 1280x720, or --problem FILE",
+        ReadFault::CornerCount { .. } => {
+            "columns and rows are the board's inner corners; undetected ones are listed too, as - or null"
+        }
+        ReadFault::Mismatch { .. } => "take the options away, or correct the file",
+        _ => "the book's page \"Calibration\" describes both formats",
+    }
+}
+
+fn calibration_help(error: &CalibrationError, names: &[String]) -> String {
+    match error {
+        CalibrationError::NoStart { view } | CalibrationError::FoldedLens { view, .. } if names.len() > *view => {
+            format!("view {view} is \"{}\"; look at its corners, or leave it out", names[*view])
+        }
+        CalibrationError::TooFewViews { .. } | CalibrationError::TooFewMeasurements { .. } => {
+            "take more images of the board, or a lens model with fewer parameters".into()
+        }
+        CalibrationError::ParallelBoards { .. } => {
+            "take images with the board tilted by 20° to 50° in all directions".into()
+        }
+        _ => "add views, tilted differently and all over the image, or take a lens model with fewer parameters".into(),
     }
 }

@@ -1,8 +1,9 @@
 //! The command line: commands, exit codes, what is printed where.
 //!
 //! Results go to stdout, progress and errors to stderr. Exit codes: 0 done; 1 the command failed; 2 the command line was
-//! wrong; 3 the problem file or plan was refused; 70 a bug in calipose; 130 interrupted.
+//! wrong; 3 the problem file, plan or file of observations was refused; 70 a bug in calipose; 130 interrupted.
 
+mod calibrate;
 mod compare;
 mod failure;
 mod plan;
@@ -30,7 +31,7 @@ use crate::selection::Method;
 #[command(
     version,
     max_term_width = 100,
-    after_help = "Exit codes: 0 done, 1 failed, 2 wrong command line, 3 problem file or plan refused, 70 bug, 130 interrupted."
+    after_help = "Exit codes: 0 done, 1 failed, 2 wrong command line, 3 input file refused, 70 bug, 130 interrupted."
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -55,6 +56,8 @@ enum Command {
     Plan(plan::PlanArguments),
     /// Compare every selection method at several numbers of poses
     Compare(compare::CompareArguments),
+    /// Calibrate a camera from detected corners
+    Calibrate(calibrate::CalibrateArguments),
     /// Count the candidates, at one or several steps
     Sweep(sweep::SweepArguments),
     /// Simulate the calibration that a plan leads to and hold it against the prediction
@@ -148,6 +151,7 @@ fn run(command: &Command, screen: &mut Screen) -> Result<(), Failure> {
     match command {
         Command::Plan(arguments) => plan::run(arguments, screen),
         Command::Compare(arguments) => compare::run(arguments, screen),
+        Command::Calibrate(arguments) => calibrate::run(arguments, screen),
         Command::Sweep(arguments) => sweep::run(arguments, screen),
         Command::Verify(arguments) => verify::run(arguments, screen),
         Command::Check { file } => problem::check(file, screen),

@@ -16,26 +16,63 @@ const COLUMNS: usize = 25;
 /// error, so its columns are projected out: `W = J⊥ᵀ J⊥ / points`, `J⊥ = J − R (RᵀR)⁻¹ RᵀJ`. Points that the lens does not
 /// reach are left out.
 pub fn map_error_weight(camera: &Camera, estimated: &[usize]) -> DMatrix<f64> {
+    let (J, R) = on_grid(camera, estimated);
+    let points = J.nrows() / 2;
+    let Q = R.qr().q();
+    let J_perpendicular = &J - &Q * (Q.transpose() * &J);
+    J_perpendicular.transpose() * J_perpendicular / points.max(1) as f64
+}
+
+/// The map error at each of `pixels`: the expected RMS distance in px by which an error of `covariance` (p×p, of the
+/// `estimated` intrinsics) moves the projection of the direction seen there, or none where the lens does not reach.
+///
+/// The rotation taken out is that of [`map_error_weight`], the best over the whole image; so the mean square over that
+/// function's grid is `tr(W · cov θ)`. With `T = (RᵀR)⁻¹RᵀJ` of the grid and `J_x`, `R_x` of the pixel it is the root of
+/// `tr((J_x − R_x T) cov θ (J_x − R_x T)ᵀ)`.
+pub fn map_error_at(
+    camera: &Camera,
+    estimated: &[usize],
+    covariance: &DMatrix<f64>,
+    pixels: &[Vector2<f64>],
+) -> Vec<Option<f64>> {
+    let (J, R) = on_grid(camera, estimated);
+    let qr = R.qr();
+    let T = qr.r().solve_upper_triangular(&(qr.q().transpose() * J));
+    let error = |pixel: &Vector2<f64>| {
+        let (J_x, R_x) = derivatives(camera, estimated, pixel)?;
+        let moved = J_x - R_x * T.as_ref()?;
+        Some((&moved * covariance * moved.transpose()).trace().sqrt())
+    };
+    pixels.iter().map(error).collect()
+}
+
+/// J (2 rows a point, p columns) and R (2 rows a point, 3 columns) of the points of the grid.
+fn on_grid(camera: &Camera, estimated: &[usize]) -> (DMatrix<f64>, DMatrix<f64>) {
     let (width, height) = (f64::from(camera.width()), f64::from(camera.height()));
     let rows = ((COLUMNS as f64 * height / width).ceil() as usize).clamp(2, COLUMNS * COLUMNS);
     let at = |i: usize, count: usize, size: f64| i as f64 / (count - 1) as f64 * (size - 1.0);
     let grid = (0..rows * COLUMNS)
         .map(|g| Vector2::new(at(g % COLUMNS, COLUMNS, width), at(g / COLUMNS, rows, height)))
-        .filter_map(|pixel| camera.unproject(&pixel))
-        .filter_map(|ray| Some((ray, camera.project_with_derivatives(&ray.into_inner().into())?)));
+        .filter_map(|pixel| derivatives(camera, estimated, &pixel));
     let (mut J, mut R) = (Vec::new(), Vec::new());
-    for (ray, projection) in grid {
-        let by_rotation = -projection.by_point * skew(&ray);
+    for (J_g, R_g) in grid {
         for r in 0..2 {
-            J.extend(estimated.iter().map(|&j| projection.by_intrinsics[(r, j)]));
-            R.extend(by_rotation.row(r).iter());
+            J.extend(J_g.row(r).iter());
+            R.extend(R_g.row(r).iter());
         }
     }
-    let points = R.len() / 6;
-    let J = DMatrix::from_row_iterator(2 * points, estimated.len(), J);
-    let Q = DMatrix::from_row_iterator(2 * points, 3, R).qr().q();
-    let J_perpendicular = &J - &Q * (Q.transpose() * &J);
-    J_perpendicular.transpose() * J_perpendicular / points.max(1) as f64
+    let rows = R.len() / 3;
+    (DMatrix::from_row_iterator(rows, estimated.len(), J), DMatrix::from_row_iterator(rows, 3, R))
+}
+
+/// Derivatives of the projection of the direction seen at `pixel`: by the `estimated` intrinsics (2×p) and by a rotation
+/// of the camera (2×3).
+fn derivatives(camera: &Camera, estimated: &[usize], pixel: &Vector2<f64>) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
+    let ray = camera.unproject(pixel)?;
+    let projection = camera.project_with_derivatives(&ray.into_inner().into())?;
+    let by_rotation = -projection.by_point * skew(&ray);
+    let by_intrinsics = DMatrix::from_fn(2, estimated.len(), |r, j| projection.by_intrinsics[(r, estimated[j])]);
+    Some((by_intrinsics, DMatrix::from_fn(2, 3, |r, c| by_rotation[(r, c)])))
 }
 
 #[cfg(test)]
@@ -80,5 +117,20 @@ mod tests {
         let W = map_error_weight(&camera, &estimated);
         let predicted = (δ.transpose() * W * &δ)[0].sqrt();
         assert!((predicted / rms - 1.0).abs() < 1e-3, "{predicted} {rms}");
+    }
+
+    #[test]
+    fn errors_at_the_grid_average_to_the_weight() {
+        let θ = [1000.0, 990.0, 639.5, 359.5, -0.2, 0.05, 1e-3, -1e-3, 0.01];
+        let camera = Camera::new(Lens::BrownConrady, 1280, 720, &θ).unwrap();
+        let estimated = [0, 1, 2, 3, 4, 6];
+        let root = DMatrix::from_fn(6, 6, |i, j| if i < 4 { 0.1 } else { 1e-4 } * (1.0 + (i * 7 + j * 3) as f64).sin());
+        let covariance = &root * root.transpose();
+        let pixel = |g: usize| Vector2::new((g % 25) as f64 / 24.0 * 1279.0, (g / 25) as f64 / 14.0 * 719.0);
+        let pixels: Vec<_> = (0..25 * 15).map(pixel).collect();
+        let errors = map_error_at(&camera, &estimated, &covariance, &pixels);
+        let mean = errors.iter().map(|error| error.unwrap().powi(2)).sum::<f64>() / 375.0;
+        let expected = (map_error_weight(&camera, &estimated) * covariance).trace();
+        assert!((mean / expected - 1.0).abs() < 1e-9, "{mean} {expected}");
     }
 }

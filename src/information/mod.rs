@@ -7,6 +7,6 @@ mod set;
 mod view;
 
 pub use criterion::Criterion;
-pub use map::map_error_weight;
+pub use map::{map_error_at, map_error_weight};
 pub use set::{InformationError, InformationSet};
 pub use view::Measurement;

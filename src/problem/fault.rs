@@ -2,9 +2,12 @@
 
 use std::fmt;
 use std::ops::{Bound, Range, RangeBounds};
+use std::path::PathBuf;
 
 use miette::{Diagnostic, LabeledSpan};
 use thiserror::Error;
+
+use crate::formats::FileReadError;
 
 /// One thing wrong with a problem file, and where.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -115,6 +118,13 @@ pub enum Reason {
         /// A pixel that no direction is projected to.
         pixel: [f64; 2],
     },
+    /// The file that the key names gives no camera.
+    CameraFile {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        error: FileReadError,
+    },
     /// The sweep has more configurations than a computer can hold.
     TooManyConfigurations {
         /// How many; saturating.
@@ -210,6 +220,7 @@ impl Fault {
             Reason::Conflict { with } => format!("`{key}` and `{with}` exclude each other"),
             Reason::NotUnit { norm } => format!("`{key}` has norm {}", Number(*norm)),
             Reason::FoldsBack { .. } => format!("`{key}` folds back within the image"),
+            Reason::CameraFile { path, error } => format!("{}: {error}", path.display()),
             Reason::TooManyConfigurations { configurations, .. } => {
                 format!("`{key}` makes {:.1e} configurations", *configurations as f64)
             }
@@ -237,6 +248,7 @@ impl Fault {
             Reason::FoldsBack { pixel: [u, v] } => {
                 format!("no direction is seen at pixel ({}, {})", Number(*u), Number(*v))
             }
+            Reason::CameraFile { .. } => "must name a camera file".into(),
             Reason::TooManyConfigurations { most, .. } => format!("must make at most {}", Number(*most as f64)),
             Reason::TooManyJoints { most, .. } => format!("serves at most {most}"),
         }

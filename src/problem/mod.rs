@@ -123,15 +123,14 @@ impl Problem {
     }
 
     /// The problem that `text` states; `path` is its name in messages and, without the extension, the name of a
-    /// problem that gives none.
+    /// problem that gives none. A camera file is sought from the folder of `path`.
     ///
     /// # Errors
     /// When the text says something impossible.
     pub fn parse(text: &str, path: &Path) -> Result<Self, ProblemError> {
-        let stem = path.file_stem().map(std::ffi::OsStr::to_string_lossy).unwrap_or_default();
         let sha256 = Sha256::digest(text).iter().fold(String::new(), |hex, byte| format!("{hex}{byte:02x}"));
         let problem = match syntax::read(text) {
-            Ok((document, file)) => resolve::resolve(&document, &file, &stem, sha256),
+            Ok((document, file)) => resolve::resolve(&document, &file, path, sha256),
             Err(fault) => Err(vec![*fault]),
         };
         problem.map_err(|faults| ProblemError::Invalid {

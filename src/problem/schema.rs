@@ -118,12 +118,15 @@ pub(super) struct Camera {
     /// table with `position_mm` and `rpy_deg` or `quaternion_xyzw`.
     #[serde(default)]
     pub(super) mount: TextOrTable<Named<MountName>, Pose>,
-    /// Image width in px.
-    pub(super) width_px: u32,
-    /// Image height in px.
-    pub(super) height_px: u32,
-    /// Focal length along x, in px.
-    pub(super) fx_px: f64,
+    /// File with the nominal calibration, in place of all keys below: ROS `camera_info` YAML, OpenCV `FileStorage` YAML
+    /// or JSON, or mrcal's cameramodel. Relative to the problem file's folder.
+    pub(super) file: Option<String>,
+    /// Image width in px; required without `file`.
+    pub(super) width_px: Option<u32>,
+    /// Image height in px; required without `file`.
+    pub(super) height_px: Option<u32>,
+    /// Focal length along x, in px; required without `file`.
+    pub(super) fx_px: Option<f64>,
     /// Focal length along y, in px; `fx_px` when left out.
     pub(super) fy_px: Option<f64>,
     /// Principal point x, in px; the image centre, (width - 1) / 2, when left out.
@@ -131,8 +134,7 @@ pub(super) struct Camera {
     /// Principal point y, in px; the image centre, (height - 1) / 2, when left out.
     pub(super) cy_px: Option<f64>,
     /// Lens distortion; none when left out.
-    #[serde(default)]
-    pub(super) distortion: Distortion,
+    pub(super) distortion: Option<Distortion>,
 }
 
 /// The lens model and its coefficients, with OpenCV's names. A coefficient that is left out is 0.

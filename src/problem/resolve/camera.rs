@@ -1,9 +1,12 @@
 //! The nominal camera.
 
+use std::path::Path;
+
 use nalgebra::Vector2;
 
 use super::Check;
 use crate::camera::{Camera, Lens};
+use crate::formats::read_camera_file;
 use crate::problem::document::KeyPath;
 use crate::problem::fault::{Allowed, Reason};
 use crate::problem::schema;
@@ -15,31 +18,87 @@ const FOCAL_LENGTH: Allowed = Allowed::positive(1e6);
 /// Distortion coefficients.
 const COEFFICIENT: Allowed = Allowed::between(-1e6, 1e6);
 
+impl schema::Camera {
+    /// The lens model, if the problem file itself says it.
+    pub(super) fn stated_lens(&self) -> Option<Lens> {
+        let stated = || self.distortion.as_ref().map_or(Lens::Pinhole, |distortion| distortion.model.0);
+        self.file.is_none().then(stated)
+    }
+}
+
 impl Check<'_, '_> {
-    /// The camera, or none if something is wrong with it.
-    pub(super) fn camera(&mut self, camera: &schema::Camera) -> Option<Camera> {
-        let faults = self.faults.len();
+    /// The camera, or none if something is wrong with it; `folder` is the problem file's.
+    pub(super) fn camera(&mut self, camera: &schema::Camera, folder: &Path) -> Option<Camera> {
         let at = KeyPath::section("camera");
-        let width = self.number(&at.key("width_px"), f64::from(camera.width_px), IMAGE_SIDE);
-        let height = self.number(&at.key("height_px"), f64::from(camera.height_px), IMAGE_SIDE);
-        let fx = self.number(&at.key("fx_px"), camera.fx_px, FOCAL_LENGTH);
-        let fy = camera.fy_px.map_or(fx, |fy| self.number(&at.key("fy_px"), fy, FOCAL_LENGTH));
-        let cx = self.principal_point(&at.key("cx_px"), camera.cx_px, width);
-        let cy = self.principal_point(&at.key("cy_px"), camera.cy_px, height);
-        let lens = camera.distortion.model.0;
-        let mut θ = vec![fx, fy, cx, cy];
-        θ.extend(self.coefficients(&at.key("distortion"), &camera.distortion, lens));
-        if self.faults.len() > faults {
-            return None;
-        }
-        // What Camera::new refuses has been refused above, with its place in the file.
-        let model = Camera::new(lens, camera.width_px, camera.height_px, &θ).ok()?;
-        let border = [(0.0, cy), (width - 1.0, cy), (cx, 0.0), (cx, height - 1.0)];
+        let (model, distortion) = match &camera.file {
+            Some(file) => (self.imported(&at, camera, &folder.join(file))?, at.key("file")),
+            None => (self.stated(&at, camera)?, at.key("distortion")),
+        };
+        let [_, _, cx, cy, ..] = *model.intrinsics() else { return None };
+        let (right, bottom) = (f64::from(model.width()) - 1.0, f64::from(model.height()) - 1.0);
+        let border = [(0.0, cy), (right, cy), (cx, 0.0), (cx, bottom)];
         if let Some((u, v)) = border.into_iter().find(|&(u, v)| model.unproject(&Vector2::new(u, v)).is_none()) {
-            self.fault(&at.key("distortion"), Reason::FoldsBack { pixel: [u, v] });
+            self.fault(&distortion, Reason::FoldsBack { pixel: [u, v] });
             return None;
         }
         Some(model)
+    }
+
+    /// The camera of the file at `path`, which takes the place of all other keys but the mount.
+    fn imported(&mut self, at: &KeyPath, camera: &schema::Camera, path: &Path) -> Option<Camera> {
+        let given = [
+            ("width_px", camera.width_px.is_some()),
+            ("height_px", camera.height_px.is_some()),
+            ("fx_px", camera.fx_px.is_some()),
+            ("fy_px", camera.fy_px.is_some()),
+            ("cx_px", camera.cx_px.is_some()),
+            ("cy_px", camera.cy_px.is_some()),
+            ("distortion", camera.distortion.is_some()),
+        ];
+        for (name, _) in given.into_iter().filter(|(_, given)| *given) {
+            self.fault(&at.key(name), Reason::Conflict { with: "camera.file" });
+        }
+        match read_camera_file(path) {
+            Ok(model) => given.iter().all(|(_, given)| !given).then_some(model),
+            Err(error) => {
+                self.fault(&at.key("file"), Reason::CameraFile { path: path.to_owned(), error });
+                None
+            }
+        }
+    }
+
+    /// The camera that the keys state.
+    fn stated(&mut self, at: &KeyPath, camera: &schema::Camera) -> Option<Camera> {
+        let faults = self.faults.len();
+        let side = |check: &mut Self, name: &str, value: Option<u32>| {
+            let value = check.required(&at.key(name), value)?;
+            check.number(&at.key(name), f64::from(value), IMAGE_SIDE);
+            Some(value)
+        };
+        let width = side(self, "width_px", camera.width_px);
+        let height = side(self, "height_px", camera.height_px);
+        let fx = self.required(&at.key("fx_px"), camera.fx_px);
+        let fx = fx.map(|fx| self.number(&at.key("fx_px"), fx, FOCAL_LENGTH));
+        let fy = camera.fy_px.map(|fy| self.number(&at.key("fy_px"), fy, FOCAL_LENGTH)).or(fx);
+        let cx = width.map(|width| self.principal_point(&at.key("cx_px"), camera.cx_px, f64::from(width)));
+        let cy = height.map(|height| self.principal_point(&at.key("cy_px"), camera.cy_px, f64::from(height)));
+        let distortion = camera.distortion.clone().unwrap_or_default();
+        let lens = distortion.model.0;
+        let coefficients = self.coefficients(&at.key("distortion"), &distortion, lens);
+        if self.faults.len() > faults {
+            return None;
+        }
+        let mut θ = vec![fx?, fy?, cx?, cy?];
+        θ.extend(coefficients);
+        // What Camera::new refuses has been refused above, with its place in the file.
+        Camera::new(lens, width?, height?, &θ).ok()
+    }
+
+    fn required<T>(&mut self, path: &KeyPath, value: Option<T>) -> Option<T> {
+        if value.is_none() {
+            self.fault(path, Reason::Missing { allowed: Vec::new() });
+        }
+        value
     }
 
     fn principal_point(&mut self, path: &KeyPath, value: Option<f64>, size: f64) -> f64 {

@@ -6,7 +6,7 @@ mod sweep;
 mod target;
 
 use std::f64::consts::PI;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use nalgebra::{Quaternion, UnitQuaternion};
 
@@ -14,7 +14,7 @@ use super::document::{Document, KeyPath};
 use super::fault::{Allowed, Fault, Reason};
 use super::shape::Numbers;
 use super::{Problem, SelectionSettings, schema, syntax};
-use crate::camera::Lens;
+use crate::camera::{Camera, Lens};
 use crate::feasibility::VisibilityLimits;
 use crate::spatial::Pose;
 
@@ -25,24 +25,26 @@ const SIZE: Allowed = Allowed::positive(1e6);
 /// Angles in degrees: ten turns.
 const ANGLE: Allowed = Allowed::between(-3600.0, 3600.0);
 
-/// The problem that `file` states, or everything found wrong with it. `stem` names a problem that has no name;
-/// `sha256` is the digest of the file's bytes.
+/// The problem that `file` states, or everything found wrong with it. `path` names a problem that has no name, and is where
+/// other files are sought from; `sha256` is the digest of the file's bytes.
 pub(super) fn resolve(
     document: &Document,
     file: &schema::File,
-    stem: &str,
+    path: &Path,
     sha256: String,
 ) -> Result<Problem, Vec<Fault>> {
     let mut check = Check { document, faults: Vec::new() };
-    let name = check.name(file.name.as_deref(), stem);
+    let stem = path.file_stem().map(std::ffi::OsStr::to_string_lossy).unwrap_or_default();
+    let name = check.name(file.name.as_deref(), &stem);
     let output = check.output(&file.output, &name);
     let robot = check.robot(&file.robot, &file.camera.mount);
-    let camera = check.camera(&file.camera);
+    let camera = check.camera(&file.camera, path.parent().unwrap_or(Path::new("")));
     let target = check.target(&file.target);
     let visibility = check.visibility(&file.visibility);
     let noise = check.number(&KeyPath::section("noise").key("sigma_px"), file.noise.sigma_px, Allowed::positive(1e3));
-    let lens = file.camera.distortion.model.0;
-    let estimated = check.estimated(&file.estimate, lens);
+    // Without its camera file the names of the lens's intrinsics are not known.
+    let lens = camera.as_ref().map(Camera::lens).or_else(|| file.camera.stated_lens());
+    let estimated = lens.map(|lens| check.estimated(&file.estimate, lens)).unwrap_or_default();
     let selection = check.selection(&file.selection);
     // The size of the sweep means something only once the limits do.
     let space = robot.as_ref().and_then(|robot| check.space(&file.sweep, &robot.chain.joints));

@@ -1,0 +1,66 @@
+//! Reading files from disk.
+
+use std::io;
+use std::path::Path;
+
+use thiserror::Error;
+
+use super::{Detections, ReadError, Stated, read_camera, read_detections};
+use crate::camera::Camera;
+
+/// Larger files are of something else: 1000 images of 10 000 corners stay below.
+const LARGEST: u64 = 1_000_000_000;
+
+/// Why a file gives nothing.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum FileReadError {
+    /// It could not be read.
+    #[error("cannot be read: {kind}")]
+    Read {
+        /// Why not.
+        kind: io::ErrorKind,
+    },
+    /// It is too large to be one of these files.
+    #[error("has {bytes} bytes; at most {LARGEST} are read")]
+    TooLarge {
+        /// Its size.
+        bytes: u64,
+    },
+    /// It is not UTF-8 text.
+    #[error("is not UTF-8 text: line {line} has a byte that belongs to no character")]
+    Encoding {
+        /// Line of the first such byte, from 1.
+        line: usize,
+    },
+    /// Its contents are wrong.
+    #[error(transparent)]
+    Content(#[from] ReadError),
+}
+
+/// The camera of the file at `path`; see [`read_camera`].
+///
+/// # Errors
+/// When the file cannot be read or has no camera.
+pub fn read_camera_file(path: &Path) -> Result<Camera, FileReadError> {
+    Ok(read_camera(&text(path)?)?)
+}
+
+/// The detections of the file at `path`; see [`read_detections`].
+///
+/// # Errors
+/// When the file cannot be read or its detections cannot be used.
+pub fn read_detections_file(path: &Path, stated: &Stated) -> Result<Detections, FileReadError> {
+    Ok(read_detections(&text(path)?, stated)?)
+}
+
+fn text(path: &Path) -> Result<String, FileReadError> {
+    let read = |error: io::Error| FileReadError::Read { kind: error.kind() };
+    let bytes = std::fs::metadata(path).map_err(read)?.len();
+    if bytes > LARGEST {
+        return Err(FileReadError::TooLarge { bytes });
+    }
+    String::from_utf8(std::fs::read(path).map_err(read)?).map_err(|error| {
+        let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        FileReadError::Encoding { line: String::from_utf8_lossy(valid).matches('\n').count() + 1 }
+    })
+}

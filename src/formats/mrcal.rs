@@ -1,0 +1,62 @@
+//! mrcal's cameramodel: a Python dict.
+
+use super::camera::{checked, image_side};
+use super::error::{ReadError, ReadFault};
+use super::number::list;
+use super::tree::{Located, Node};
+use crate::camera::{Camera, Lens};
+
+const SUPPORTED: &str = "LENSMODEL_PINHOLE, LENSMODEL_OPENCV4, LENSMODEL_OPENCV5, LENSMODEL_OPENCV8";
+
+/// `camera` as the reference of its extrinsics; none for a fisheye, of which mrcal has no model of OpenCV's.
+pub(super) fn write(camera: &Camera) -> Option<String> {
+    let model = match camera.lens() {
+        Lens::Pinhole => "LENSMODEL_PINHOLE",
+        Lens::BrownConrady => "LENSMODEL_OPENCV5",
+        Lens::Rational => "LENSMODEL_OPENCV8",
+        Lens::KannalaBrandt => return None,
+    };
+    let (intrinsics, origin) = (list(camera.intrinsics()), list(&[0.0; 6]));
+    // The extrinsics by mrcal's old name and by its new one; it takes both where they agree.
+    Some(format!(
+        "{{\n    'lensmodel': '{model}',\n\n    # fx, fy, cx, cy, then the distortion\n    'intrinsics': {intrinsics},\n\n    \
+         'extrinsics': {origin},\n    'rt_cam_ref': {origin},\n\n    'imagersize': [{}, {}]\n}}\n",
+        camera.width(),
+        camera.height(),
+    ))
+}
+
+pub(super) fn read(root: &Node) -> Result<Camera, ReadError> {
+    let model = root.require("", "lensmodel")?;
+    let name = model.text(&"lensmodel")?;
+    let (lens, given) = match name {
+        "LENSMODEL_PINHOLE" => (Lens::Pinhole, 4),
+        "LENSMODEL_OPENCV4" => (Lens::BrownConrady, 8),
+        "LENSMODEL_OPENCV5" => (Lens::BrownConrady, 9),
+        "LENSMODEL_OPENCV8" => (Lens::Rational, 12),
+        _ => {
+            let (key, found) = ("lensmodel".to_owned(), name.to_owned());
+            return Err(ReadFault::Unsupported { key, found, supported: SUPPORTED }.at(model.line));
+        }
+    };
+    let size = root.require("", "imagersize")?;
+    let sides = size.list(&"imagersize")?;
+    let [width, height] = sides else {
+        return Err(length("imagersize", sides.len(), 2, size.line));
+    };
+    let size = [image_side(width, "imagersize[0]")?, image_side(height, "imagersize[1]")?];
+    let intrinsics = root.require("", "intrinsics")?;
+    let values = intrinsics.list(&"intrinsics")?;
+    if values.len() != given {
+        return Err(length("intrinsics", values.len(), given, intrinsics.line));
+    }
+    let numbers = values.iter().enumerate().map(|(i, node)| node.number(&format_args!("intrinsics[{i}]")));
+    let mut θ = numbers.collect::<Result<Vec<Located>, ReadError>>()?;
+    // OPENCV4 is without k3.
+    θ.resize(lens.parameter_names().len(), Located { line: intrinsics.line, value: 0.0 });
+    checked(lens, size, &θ)
+}
+
+fn length(key: &str, found: usize, expected: usize, line: usize) -> ReadError {
+    ReadFault::Length { key: key.to_owned(), found, expected: expected.to_string() }.at(line)
+}

@@ -1,0 +1,232 @@
+//! YAML and its relatives as a tree of values that know their lines.
+
+use std::fmt::Display;
+
+use saphyr_parser::{Event, Parser, ScalarStyle};
+
+use super::error::{ReadError, ReadFault};
+
+/// Deeper nesting is an attack, not a camera.
+const DEEPEST: usize = 32;
+/// So are more keys in one map.
+const MOST_KEYS: usize = 1000;
+
+/// A value and its line.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Node {
+    pub(super) line: usize,
+    content: Content,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Content {
+    /// A word or number without quotes.
+    Plain(String),
+    Quoted(String),
+    List(Vec<Node>),
+    Map(Vec<(String, Node)>),
+}
+
+/// A number and its line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Located {
+    pub(super) line: usize,
+    pub(super) value: f64,
+}
+
+impl Located {
+    /// The number, which must be between `min` and `max`, both included.
+    pub(super) fn between(self, key: &dyn Display, min: f64, max: f64) -> Result<f64, ReadError> {
+        let Self { line, value } = self;
+        if (min..=max).contains(&value) {
+            Ok(value)
+        } else {
+            Err(ReadFault::OutOfRange { key: key.to_string(), value, min, max }.at(line))
+        }
+    }
+}
+
+/// The first document of `text`.
+pub(super) fn parse(text: &str) -> Result<Node, ReadError> {
+    let last_line = text.lines().count().max(1);
+    if text.trim().is_empty() {
+        return Err(ReadFault::Empty.at(last_line));
+    }
+    let text = plain_yaml(text);
+    let mut events = Events { parser: Parser::new_from_str(&text), last_line };
+    loop {
+        match events.next()? {
+            (Event::StreamStart | Event::DocumentStart(_) | Event::Nothing, _) => {}
+            (Event::StreamEnd | Event::DocumentEnd, _) => return Err(ReadFault::Empty.at(last_line)),
+            (event, line) => {
+                let root = events.node(event, line, 0)?;
+                // What follows the value, such as a second closing bracket, is a mistake of its own.
+                return match events.next()? {
+                    (Event::DocumentEnd, _) => Ok(root),
+                    (_, line) => Err(syntax("something follows the end of the document", line)),
+                };
+            }
+        }
+    }
+}
+
+/// `text` with what YAML does not know replaced by blanks: OpenCV's directive `%YAML:1.0`, the `b` of mrcal's byte
+/// strings.
+fn plain_yaml(text: &str) -> String {
+    let text = text.trim_start_matches('\u{feff}');
+    let body = match text.strip_prefix("%YAML") {
+        Some(rest) => rest.find('\n').map_or("", |newline| &rest[newline..]),
+        None => text,
+    };
+    if body.contains("lensmodel") { body.replace(": b'", ":  '").replace(": b\"", ":  \"") } else { body.to_owned() }
+}
+
+fn syntax(message: &str, line: usize) -> ReadError {
+    ReadFault::Syntax { message: message.to_owned() }.at(line)
+}
+
+struct Events<'t> {
+    parser: Parser<'t, saphyr_parser::StrInput<'t>>,
+    last_line: usize,
+}
+
+impl<'t> Events<'t> {
+    /// The next event, with its line.
+    fn next(&mut self) -> Result<(Event<'t>, usize), ReadError> {
+        match self.parser.next() {
+            Some(Ok((event, span))) => Ok((event, span.start.line())),
+            Some(Err(error)) => Err(syntax(error.info(), error.marker().line().min(self.last_line))),
+            None => Err(syntax("the file ends too early", self.last_line)),
+        }
+    }
+
+    /// The value that begins with `event`.
+    fn node(&mut self, event: Event, line: usize, depth: usize) -> Result<Node, ReadError> {
+        if depth > DEEPEST {
+            return Err(syntax(&format!("nested deeper than {DEEPEST} levels"), line));
+        }
+        let content = match event {
+            Event::Scalar(text, ScalarStyle::Plain, ..) => Content::Plain(text.into_owned()),
+            Event::Scalar(text, ..) => Content::Quoted(text.into_owned()),
+            Event::SequenceStart(..) => {
+                let mut list = Vec::new();
+                loop {
+                    match self.next()? {
+                        (Event::SequenceEnd, _) => break Content::List(list),
+                        (event, line) => list.push(self.node(event, line, depth + 1)?),
+                    }
+                }
+            }
+            Event::MappingStart(..) => self.map(depth)?,
+            _ => return Err(syntax("aliases are not supported", line)),
+        };
+        Ok(Node { line, content })
+    }
+
+    fn map(&mut self, depth: usize) -> Result<Content, ReadError> {
+        let mut map: Vec<(String, Node)> = Vec::new();
+        loop {
+            let key = match self.next()? {
+                (Event::MappingEnd, _) => return Ok(Content::Map(map)),
+                (Event::Scalar(key, ..), line) if map.iter().any(|(known, _)| *known == key) => {
+                    return Err(ReadFault::Repeated { name: key.into_owned() }.at(line));
+                }
+                (_, line) if map.len() == MOST_KEYS => {
+                    return Err(syntax(&format!("more than {MOST_KEYS} keys"), line));
+                }
+                (Event::Scalar(key, ..), _) => key.into_owned(),
+                (_, line) => return Err(syntax("a key must be a text", line)),
+            };
+            let (event, line) = self.next()?;
+            map.push((key, self.node(event, line, depth + 1)?));
+        }
+    }
+}
+
+impl Node {
+    /// The value at `key`, if this is a map that has it.
+    pub(super) fn get(&self, key: &str) -> Option<&Node> {
+        match &self.content {
+            Content::Map(map) => map.iter().find(|(name, _)| name == key).map(|(_, node)| node),
+            _ => None,
+        }
+    }
+
+    /// The value at `key`; `within` is the key of this map, with a point, or empty at the root.
+    pub(super) fn require(&self, within: &str, key: &str) -> Result<&Node, ReadError> {
+        let missing = || ReadFault::Missing { key: format!("{within}{key}") }.at(self.line);
+        self.get(key).ok_or_else(missing)
+    }
+
+    pub(super) fn list(&self, key: &dyn Display) -> Result<&[Node], ReadError> {
+        match &self.content {
+            Content::List(list) => Ok(list),
+            _ => Err(self.mistyped(key, "a list")),
+        }
+    }
+
+    pub(super) fn text(&self, key: &dyn Display) -> Result<&str, ReadError> {
+        match &self.content {
+            Content::Plain(text) | Content::Quoted(text) => Ok(text),
+            _ => Err(self.mistyped(key, "a text")),
+        }
+    }
+
+    pub(super) fn is_null(&self) -> bool {
+        matches!(&self.content, Content::Plain(text) if matches!(text.as_str(), "" | "null" | "~"))
+    }
+
+    /// A finite number.
+    pub(super) fn number(&self, key: &dyn Display) -> Result<Located, ReadError> {
+        let value = match &self.content {
+            Content::Plain(text) => text.parse().ok().filter(|value: &f64| value.is_finite()),
+            _ => None,
+        };
+        let value = value.ok_or_else(|| self.mistyped(key, "a finite number"))?;
+        Ok(Located { line: self.line, value })
+    }
+
+    /// A whole number from `min` to `max`.
+    pub(super) fn count(&self, key: &dyn Display, min: u32, max: u32) -> Result<u32, ReadError> {
+        let value = self.number(key)?.between(key, f64::from(min), f64::from(max))?;
+        if value.fract() == 0.0 { Ok(value as u32) } else { Err(self.mistyped(key, "a whole number")) }
+    }
+
+    fn mistyped(&self, key: &dyn Display, expected: &'static str) -> ReadError {
+        let found = match &self.content {
+            Content::Plain(text) if text.is_empty() => "empty".into(),
+            Content::Plain(text) => text.clone(),
+            Content::Quoted(text) => format!("the text \"{text}\""),
+            Content::List(_) => "a list".into(),
+            Content::Map(_) => "a map".into(),
+        };
+        ReadFault::Type { key: key.to_string(), found, expected }.at(self.line)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn relatives_of_yaml_are_read_with_their_lines() {
+        for text in [
+            "%YAML:1.0\n---\na: !!opencv-matrix\n   data: [ 1., -2.5e-1,\n       .5 ]\n",
+            "\n\n{ \"a\":\t{\n\t\"data\": [1.0, -0.25,\n\t0.5] } }",
+            "# lensmodel\n\n{ 'x': b'}{#]',\n  'a': {'data': [1, -.25, # more\n 5e-1, ], }, }\n",
+        ] {
+            let root = parse(text).unwrap();
+            let data = root.require("", "a").unwrap().require("a.", "data").unwrap();
+            let numbers = data.list(&"data").unwrap().iter().map(|node| node.number(&"x").unwrap());
+            let numbers: Vec<(f64, usize)> = numbers.map(|x| (x.value, x.line)).collect();
+            assert_eq!(numbers, [(1.0, 4), (-0.25, 4), (0.5, 5)], "{text}");
+        }
+    }
+
+    #[test]
+    fn bottomless_nesting_and_aliases_are_refused() {
+        for text in ["[".repeat(100_000), "{a: ".repeat(100_000), "- ".repeat(100_000), "a: &x [1]\nb: *x".into()] {
+            assert!(parse(&text).is_err());
+        }
+    }
+}

@@ -1,0 +1,246 @@
+//! `calipose calibrate` finds the camera that simulated detections come from, and refuses what is wrong with them.
+#![allow(clippy::unwrap_used, non_snake_case, reason = "a test")]
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use calipose::calibration::Observations;
+use calipose::camera::{Camera, Lens};
+use calipose::formats::{Stated, read_camera_file, read_detections};
+use calipose::spatial::Pose;
+use calipose::target::Board;
+use calipose::verification::simulate;
+use nalgebra::Vector3;
+use serde_json::{Value, json};
+
+const BOARD: Board = Board { columns: 8, rows: 6, square: 0.035 };
+const OPTIONS: [&str; 6] = ["--board", "8x6", "--square-mm", "35", "--image", "1280x720"];
+const NOISE: f64 = 0.2;
+
+fn camera() -> Camera {
+    let intrinsics = [1000.0, 990.0, 645.0, 355.0, -0.2, 0.05, 1e-3, -5e-4, 0.01];
+    Camera::new(Lens::BrownConrady, 1280, 720, &intrinsics).unwrap()
+}
+
+/// Twenty views, tilted differently; in some the board is partly outside the image.
+fn simulated() -> Observations {
+    let pose = |i: usize| {
+        let (turn, place) = (i as f64 * 2.4, i as f64 * 1.7);
+        let rotation = Vector3::new(0.6 * turn.cos(), 0.6 * turn.sin(), 0.1 * place.sin());
+        Pose::new(Vector3::new(0.18 * place.cos(), 0.11 * place.sin(), 0.5 + 0.01 * i as f64), rotation)
+    };
+    let poses: Vec<Pose> = (0..20).map(pose).collect();
+    simulate(&camera(), &BOARD, &poses, NOISE, 5).unwrap()
+}
+
+/// Pixel of every corner of a view, if it was seen.
+fn grid(observations: &Observations, view: usize) -> Vec<Option<[f64; 2]>> {
+    let mut grid = vec![None; BOARD.corner_count()];
+    for corner in &observations.views()[view] {
+        grid[corner.index] = Some(corner.pixel.into());
+    }
+    grid
+}
+
+fn vnl(observations: &Observations) -> String {
+    let mut text = "## made by a test\n# filename x y level\nempty.png - - -\n".to_owned();
+    for view in 0..observations.views().len() {
+        for corner in grid(observations, view) {
+            text += &match corner {
+                Some([u, v]) => format!("{view}.png {u} {v} 0\n"),
+                None if view % 2 == 0 => format!("{view}.png - - -\n"),
+                None => format!("{view}.png 0 0 -1\n"),
+            };
+        }
+    }
+    text
+}
+
+fn document(observations: &Observations) -> Value {
+    let views = (0..observations.views().len())
+        .map(|view| json!({ "name": format!("{view}.png"), "corners": grid(observations, view) }));
+    json!({
+        "format": "calipose.observations",
+        "version": 1,
+        "board": { "columns": 8, "rows": 6, "square_mm": 35 },
+        "image": { "width_px": 1280, "height_px": 720 },
+        "views": views.collect::<Vec<_>>(),
+    })
+}
+
+fn calibrate(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_calipose"));
+    command.current_dir(folder).arg("calibrate").args(arguments).output().unwrap()
+}
+
+/// The `--json` document of a run that must succeed.
+fn calibrated(folder: &Path, arguments: &[&str]) -> Value {
+    let output = calibrate(folder, &[arguments, &["--json"]].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn assert_recovers_the_camera(document: &Value, sigmas: f64) {
+    let intrinsics = &document["intrinsics"];
+    for (i, truth) in camera().intrinsics().iter().enumerate() {
+        let (value, sigma) = (intrinsics["values"][i].as_f64().unwrap(), intrinsics["sigma"][i].as_f64().unwrap());
+        assert!((value - truth).abs() < sigmas * sigma, "{}: {value} ± {sigma} for {truth}", intrinsics["names"][i]);
+    }
+    let sigma = document["sigma_px"].as_f64().unwrap();
+    assert!((sigma / NOISE - 1.0).abs() < 0.1, "{sigma}");
+}
+
+#[test]
+fn vnl_and_json_give_the_camera_they_come_from() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let observations = simulated();
+    assert!(observations.corner_count() < 20 * 48, "some corners are to be missing");
+    std::fs::write(at("corners.vnl"), vnl(&observations)).unwrap();
+    std::fs::write(at("corners.json"), document(&observations).to_string()).unwrap();
+    let from_vnl = calibrated(folder.path(), &[&["corners.vnl", "-o", "one"], &OPTIONS[..]].concat());
+    let from_json = calibrated(folder.path(), &["corners.json", "-o", "two"]);
+    assert_recovers_the_camera(&from_vnl, 4.0);
+    assert_eq!(from_vnl["skipped"], json!(["empty.png"]));
+    assert_eq!((&from_vnl["intrinsics"], &from_vnl["views"]), (&from_json["intrinsics"], &from_json["views"]));
+    assert_eq!(from_json["views"].as_array().unwrap().len(), 20);
+    let error = |place: &str| from_json["map_error_px"][place].as_f64().unwrap();
+    assert!(0.0 < error("centre") && error("centre") < error("corner") && error("rms") < error("corner"));
+    // All files hold the camera of the document.
+    for name in ["camera_info.yaml", "camera.opencv.yaml", "camera.opencv.json", "camera.cameramodel"] {
+        let camera = read_camera_file(&at("two").join(name)).unwrap();
+        assert_eq!(json!(camera.intrinsics()), from_json["intrinsics"]["values"], "{name}");
+    }
+    let written: Value = serde_json::from_slice(&std::fs::read(at("two").join("calibration.json")).unwrap()).unwrap();
+    assert_eq!(written, from_json);
+}
+
+#[test]
+fn a_robust_loss_withstands_outliers_and_names_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut document = document(&simulated());
+    for (view, corner) in [(2, 11), (7, 30), (13, 20)] {
+        let u = &mut document["views"][view]["corners"][corner][0];
+        *u = json!(u.as_f64().unwrap() + 30.0);
+    }
+    std::fs::write(folder.path().join("corners.json"), document.to_string()).unwrap();
+    for loss in ["huber", "cauchy"] {
+        let found = calibrated(folder.path(), &["corners.json", "--loss", loss]);
+        assert_recovers_the_camera(&found, 5.0);
+        let outliers = found["outliers"].as_array().unwrap();
+        let named = |view: &str, column: u64, row: u64| {
+            outliers.iter().any(|o| o["view"] == view && o["column"] == column && o["row"] == row)
+        };
+        assert!(named("2.png", 3, 1) && named("7.png", 6, 3) && named("13.png", 4, 2), "{outliers:?}");
+    }
+    let text = calibrate(folder.path(), &["corners.json", "--loss", "cauchy", "--camera-format", "ros", "-o", "ros"]);
+    let text = String::from_utf8(text.stdout).unwrap();
+    assert!(text.contains("Outlier: 2.png, column 3, row 1: "), "{text}");
+    assert_eq!(std::fs::read_dir(folder.path().join("ros")).unwrap().count(), 2);
+}
+
+#[test]
+fn a_problem_file_says_board_lens_and_what_to_estimate() {
+    let folder = tempfile::tempdir().unwrap();
+    let problem = calipose::problem::STARTER
+        .replace("columns = 9", "columns = 8")
+        .replace("square_mm = 25", "square_mm = 35")
+        .replace("height_px = 960", "height_px = 720")
+        .replace("# [estimate]\n# intrinsics", "[estimate]\nintrinsics");
+    std::fs::write(folder.path().join("arm.toml"), &problem).unwrap();
+    std::fs::write(folder.path().join("corners.vnl"), vnl(&simulated())).unwrap();
+    let loaded = calipose::problem::Problem::parse(&problem, Path::new("arm.toml")).unwrap();
+    assert_eq!((loaded.camera.width(), loaded.camera.height(), loaded.target.board.rows), (1280, 720, 6));
+    let found = calibrated(folder.path(), &["corners.vnl", "--problem", "arm.toml"]);
+    assert_eq!(found["estimated"], json!(loaded.estimated_names()));
+    let both = calibrate(folder.path(), &["corners.vnl", "--problem", "arm.toml", "--lens", "none"]);
+    assert_eq!(both.status.code(), Some(2));
+}
+
+#[test]
+fn wrong_detections_are_refused_with_line_and_value() {
+    let observations = simulated();
+    let text = vnl(&observations);
+    let stated = Stated { board: Some(BOARD), image: Some([1280, 720]) };
+    let rows: Vec<&str> = text.lines().collect();
+    let lines = |lines: &[&str]| lines.join("\n");
+    let with = |line: usize, row: &str| {
+        let mut rows = rows.clone();
+        rows[line - 1] = row;
+        lines(&rows)
+    };
+    let json = document(&observations);
+    let edited = |edit: &dyn Fn(&mut Value)| {
+        let mut json = json.clone();
+        edit(&mut json);
+        format!("{json:#}")
+    };
+    let pretty = format!("{json:#}");
+    let cases = [
+        ("empty", String::new()),
+        ("header only", lines(&rows[..2])),
+        ("no header", lines(&rows[2..])),
+        ("other header", with(2, "# filename x y weight")),
+        ("cut within an image", lines(&rows[..80])),
+        ("cut within a line", with(80, "1.png 640")),
+        ("not a number", with(20, "0.png 640 wide 0")),
+        ("NaN", with(20, "0.png 640 nan 0")),
+        ("infinite", with(20, "0.png 1e999 5 0")),
+        ("outside the image", with(20, "0.png 640 2000 0")),
+        ("absurd pixel", with(20, "0.png 640 1e300 0")),
+        ("negative pixel", with(20, "0.png -640 100 0")),
+        ("image twice", format!("{text}0.png - - -\n")),
+        ("three corners", format!("{text}z.png 1 1 0\nz.png 9 1 0\nz.png 9 9 0\n{}", "z.png - - -\n".repeat(45))),
+        ("one point", format!("{text}{}", "z.png 1 1 0\n".repeat(48))),
+        ("nothing detected", lines(&rows[..3])),
+        ("JSON cut", pretty[..pretty.len() / 2].to_owned()),
+        ("JSON of a plan", "{ \"format\": \"calipose.plan\" }".to_owned()),
+        ("later version", edited(&|json| json["version"] = 2.into())),
+        ("other board", edited(&|json| json["board"]["columns"] = 9.into())),
+        ("other image", edited(&|json| json["image"]["width_px"] = 1920.into())),
+        ("no squares", edited(&|json| json["board"]["square_mm"] = 0.into())),
+        ("corner missing", edited(&|json| drop(json["views"][1]["corners"].as_array_mut().unwrap().pop()))),
+        ("text for a corner", edited(&|json| json["views"][1]["corners"][2] = "x".into())),
+        ("corner of one number", edited(&|json| json["views"][1]["corners"][2] = json!([1]))),
+        ("text for a pixel", edited(&|json| json["views"][1]["corners"][2] = json!([1, "2"]))),
+        ("far outside", edited(&|json| json["views"][1]["corners"][2] = json!([1, -1e300]))),
+        ("no views", edited(&|json| json["views"] = json!([]))),
+    ];
+    let answers = cases.iter().map(|(name, text)| {
+        let error = read_detections(text, &stated).map(drop).expect_err(name);
+        format!("{name}: {error}")
+    });
+    let answers: Vec<String> = answers.collect();
+    insta::assert_snapshot!(answers.join("\n"));
+    for (end, _) in text.char_indices().step_by(997) {
+        let _ = read_detections(&text[..end], &stated);
+    }
+}
+
+#[test]
+fn exit_codes_tell_the_file_from_the_command_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let observations = simulated();
+    std::fs::write(folder.path().join("corners.vnl"), vnl(&observations)).unwrap();
+    let few: String = vnl(&observations).lines().take(3 + 48).map(|line| format!("{line}\n")).collect();
+    std::fs::write(folder.path().join("few.vnl"), few).unwrap();
+    let run = |arguments: &[&str]| {
+        let output = calibrate(folder.path(), arguments);
+        assert!(output.stdout.is_empty());
+        format!("{:?} → {:?}\n{}", arguments, output.status.code(), String::from_utf8(output.stderr).unwrap())
+    };
+    let with = |file: &str, more: &[&str]| [&[file], &OPTIONS[..], more].concat().join(" ");
+    let answers = [
+        run(&["none.vnl"]),
+        run(&["corners.vnl"]),
+        run(&["corners.vnl", "--board", "8x6", "--square-mm", "35"]),
+        run(&["corners.vnl", "--board", "6x8", "--square-mm", "35", "--image", "640x480"]),
+        run(&["corners.vnl", "--board", "7x6", "--square-mm", "35", "--image", "1280x720"]),
+        run(&["corners.vnl", "--board", "8"]),
+        run(&with("few.vnl", &[]).split(' ').collect::<Vec<_>>()),
+        run(&with("corners.vnl", &["--lens", "kannala-brandt", "--camera-format", "mrcal"])
+            .split(' ')
+            .collect::<Vec<_>>()),
+    ];
+    insta::assert_snapshot!(answers.join("\n"));
+}
