@@ -6,6 +6,7 @@
 mod calibrate;
 mod compare;
 mod failure;
+mod next;
 mod plan;
 mod planned;
 mod problem;
@@ -62,6 +63,8 @@ enum Command {
     Sweep(sweep::SweepArguments),
     /// Simulate the calibration that a plan leads to and hold it against the prediction
     Verify(verify::VerifyArguments),
+    /// Re-estimate from the views taken so far and propose the next best poses
+    Next(next::NextArguments),
     /// Validate a problem file and say what a run would do
     Check {
         /// Problem file
@@ -154,6 +157,7 @@ fn run(command: &Command, screen: &mut Screen) -> Result<(), Failure> {
         Command::Calibrate(arguments) => calibrate::run(arguments, screen),
         Command::Sweep(arguments) => sweep::run(arguments, screen),
         Command::Verify(arguments) => verify::run(arguments, screen),
+        Command::Next(arguments) => next::run(arguments, screen),
         Command::Check { file } => problem::check(file, screen),
         Command::Init { file } => problem::init(file, screen),
         Command::Schema => problem::schema(screen),

@@ -205,30 +205,7 @@ fn summary(problem: &Problem, survey: &Survey, chooser: &Chooser, plan: &Plan) -
         grouped(candidates.kept),
         100.0 * (1.0 / plan.efficiency - 1.0),
     );
-    let joints = problem.robot.chain.joints.iter().map(|joint| {
-        let unit = if joint.kind == crate::robot::JointKind::Prismatic { "mm" } else { "deg" };
-        format!("{} [{unit}]", joint.name)
-    });
-    let header: Vec<String> = std::iter::once("pose".into())
-        .chain(joints)
-        .chain(["tilt [deg]", "distance [mm]", "share [%]"].map(String::from))
-        .collect();
-    let rows: Vec<Vec<String>> = plan
-        .poses
-        .iter()
-        .map(|pose| {
-            let joints = pose.joints_deg.iter().map(|q| format!("{q:.1}"));
-            std::iter::once(pose.id.to_string())
-                .chain(joints)
-                .chain([
-                    format!("{:.1}", pose.tilt_deg),
-                    format!("{:.0}", 1e3 * pose.distance_m),
-                    format!("{:.1}", 100.0 * pose.share),
-                ])
-                .collect()
-        })
-        .collect();
-    text += &table(&header.iter().map(String::as_str).collect::<Vec<_>>(), &rows);
+    text += &pose_table(problem, &plan.poses);
 
     let intrinsics = &plan.intrinsics;
     let rows: Vec<Vec<String>> = (0..intrinsics.names.len())
@@ -249,4 +226,31 @@ fn summary(problem: &Problem, survey: &Survey, chooser: &Chooser, plan: &Plan) -
         of(1),
     );
     Ok(text)
+}
+
+/// The poses in degrees and mm, one a row.
+pub(super) fn pose_table(problem: &Problem, poses: &[PlannedPose]) -> String {
+    let joints = problem.robot.chain.joints.iter().map(|joint| {
+        let unit = if joint.kind == crate::robot::JointKind::Prismatic { "mm" } else { "deg" };
+        format!("{} [{unit}]", joint.name)
+    });
+    let header: Vec<String> = std::iter::once("pose".into())
+        .chain(joints)
+        .chain(["tilt [deg]", "distance [mm]", "share [%]"].map(String::from))
+        .collect();
+    let rows: Vec<Vec<String>> = poses
+        .iter()
+        .map(|pose| {
+            let joints = pose.joints_deg.iter().map(|q| format!("{q:.1}"));
+            std::iter::once(pose.id.to_string())
+                .chain(joints)
+                .chain([
+                    format!("{:.1}", pose.tilt_deg),
+                    format!("{:.0}", 1e3 * pose.distance_m),
+                    format!("{:.1}", 100.0 * pose.share),
+                ])
+                .collect()
+        })
+        .collect();
+    table(&header.iter().map(String::as_str).collect::<Vec<_>>(), &rows)
 }

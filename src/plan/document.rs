@@ -249,7 +249,7 @@ impl Plan {
 }
 
 impl PlannedPose {
-    fn new(problem: &Problem, view: &View, share: f64) -> Self {
+    pub(super) fn new(problem: &Problem, view: &View, share: f64) -> Self {
         let joints = problem.robot.chain.joints.iter().zip(&view.q);
         Self {
             id: view.id,

@@ -5,6 +5,7 @@ mod choice;
 mod comparison;
 mod document;
 mod files;
+mod next;
 mod survey;
 mod verify;
 
@@ -16,5 +17,6 @@ pub use document::{
     ProblemReference,
 };
 pub use files::{FileError, write_atomically};
+pub use next::{Proposal, Wish, next};
 pub use survey::{Survey, SurveyError, survey};
 pub use verify::{VerifyError, verify};

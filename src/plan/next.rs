@@ -1,0 +1,81 @@
+//! The next poses, given what is already known.
+
+use super::choice::{Chooser, PlanError};
+use super::document::PlannedPose;
+use super::survey::survey;
+use crate::calibration::Calibration;
+use crate::problem::Problem;
+use crate::selection::Method;
+
+/// How many poses to propose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Wish {
+    /// So many.
+    Count(usize),
+    /// As few as bring the expected RMS map error, px, down to `map_error`, at most `most`.
+    Accuracy {
+        /// The map error wished for, px.
+        map_error: f64,
+        /// Most poses to propose.
+        most: usize,
+    },
+}
+
+/// Poses to take next.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Proposal {
+    /// Map error by what is known, px.
+    pub known: f64,
+    /// Map error expected after the poses, px; no larger than `known`.
+    pub expected: f64,
+    /// Whether the wish is fulfilled.
+    pub fulfilled: bool,
+    /// The poses; none if what is known suffices.
+    pub poses: Vec<PlannedPose>,
+}
+
+/// Proposes the poses of `problem` that teach most beside what `calibration` of the views taken so far knows. The candidates
+/// are surveyed anew with the calibrated camera and its noise.
+///
+/// # Errors
+/// When there are no views to choose from.
+pub fn next(
+    problem: &Problem,
+    calibration: &Calibration,
+    wish: Wish,
+    observe: &(dyn Fn(usize) + Sync),
+) -> Result<Proposal, PlanError> {
+    let problem = Problem { camera: calibration.camera.clone(), noise: calibration.sigma, ..problem.clone() };
+    let survey = survey(&problem, observe)?;
+    let known = (&survey.map_weight * &calibration.covariance).trace().sqrt();
+    let prior = calibration.covariance.clone().cholesky().map(|factor| factor.inverse());
+    // A calibration's covariance is positive definite; should rounding say otherwise, nothing is taken for known.
+    let chooser = Chooser::new(&problem, &survey);
+    let chooser = match prior {
+        Some(prior) => chooser.with_prior(prior),
+        None => chooser,
+    };
+    let (counts, goal) = match wish {
+        Wish::Count(count) => (count..=count, f64::INFINITY),
+        Wish::Accuracy { map_error, .. } if known <= map_error => {
+            return Ok(Proposal { known, expected: known, fulfilled: true, poses: vec![] });
+        }
+        Wish::Accuracy { map_error, most } => (1..=most.min(survey.views.len()), map_error),
+    };
+    let mut proposal = Proposal { known, expected: known, fulfilled: false, poses: vec![] };
+    for count in counts {
+        let choice = chooser.choose(Method::Exchange, count, problem.selection.seed)?;
+        let shares = chooser.shares(&choice.selected);
+        let poses = choice.selected.iter().zip(shares);
+        proposal = Proposal {
+            known,
+            expected: choice.map_error,
+            fulfilled: choice.map_error <= goal,
+            poses: poses.map(|(&i, share)| PlannedPose::new(&problem, &survey.views[i], share)).collect(),
+        };
+        if proposal.fulfilled {
+            break;
+        }
+    }
+    Ok(proposal)
+}
