@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The modules; each may use those above it.
-const ORDER: [&str; 16] = [
+const ORDER: [&str; 14] = [
     "spatial",
     "camera",
     "target",
@@ -20,14 +20,12 @@ const ORDER: [&str; 16] = [
     "formats",
     "problem",
     "plan",
-    "report",
-    "study",
     "cli",
 ];
 
 /// Crates that read files or talk to people, and the modules that may.
 const OUTWARD: [&str; 5] = ["serde", "toml", "saphyr_parser", "clap", "indicatif"];
-const OUTWARD_MODULES: [&str; 6] = ["formats", "problem", "plan", "report", "study", "cli"];
+const OUTWARD_MODULES: [&str; 4] = ["formats", "problem", "plan", "cli"];
 
 /// A source file, and the module at the crate's root that it belongs to.
 struct Source {

@@ -188,17 +188,16 @@ fn every_method_and_criterion_can_be_asked_for() {
 fn the_candidates_are_the_same_in_both_formats() {
     let desk = Desk::new();
     let kept = desk.json("plan coarse.toml --json --candidates csv -o out")["candidates"]["kept"].as_u64().unwrap();
-    assert_eq!(desk.stdout("plan coarse.toml --quiet --candidates parquet -o out"), "");
-    assert_eq!(
-        desk.files("out"),
-        ["candidates.csv", "candidates.parquet", "plan.csv", "plan.json", "run.json", "verification.json"]
-    );
+    assert_eq!(desk.stdout("plan coarse.toml --quiet --candidates parquet -o table"), "");
+    let others = ["plan.csv", "plan.json", "run.json", "verification.json"];
+    assert_eq!(desk.files("out"), [&["candidates.csv"][..], &others].concat());
+    assert_eq!(desk.files("table"), [&["candidates.parquet"][..], &others].concat());
 
     let (header, rows) = read_csv(&desk.path("out/candidates.csv"));
     assert_eq!(rows.len() as u64, kept);
     assert_eq!(header[..5], ["id", "joint_waist", "joint_shoulder", "joint_elbow", "joint_neck"]);
     assert_eq!(header.len(), 1 + 4 + 7 + 3 + 2);
-    let file = std::fs::File::open(desk.path("out/candidates.parquet")).unwrap();
+    let file = std::fs::File::open(desk.path("table/candidates.parquet")).unwrap();
     let reader = SerializedFileReader::new(file).unwrap();
     let mut read = 0;
     for (record, row) in reader.get_row_iter(None).unwrap().zip(&rows) {
@@ -464,4 +463,63 @@ fn verify_refuses_what_is_no_plan_of_the_problem() {
     assert!(desk.complaint("verify out/plan.json --problem coarse.toml", 3).contains("not a plan"));
     std::fs::write(desk.path("out/plan.json"), plan.replace("\"version\": 1", "\"version\": 9")).unwrap();
     assert!(desk.complaint("verify out/plan.json --problem coarse.toml", 3).contains("version 9"));
+}
+
+/// Views that repeat each other exactly teach in proportion, where rounding decides what greedy sees.
+#[test]
+fn a_robot_that_cannot_move_the_camera_gets_an_answer() {
+    let desk = Desk::new();
+    let problem = r#"
+        [[robot.joints]]
+        name = "turn"
+        limits_deg = [-3600, 3600]
+        [camera]
+        mount = "optical-axis-z"
+        width_px = 1280
+        height_px = 720
+        fx_px = 1200
+        fy_px = 1200
+        [camera.distortion]
+        model = "rational"
+        k1 = 0.1
+        k2 = 0.02
+        k4 = -0.05
+        k5 = 0.3
+        k6 = 0.1
+        [target]
+        columns = 8
+        rows = 6
+        square_mm = 35
+        pose = { position_mm = [20, 10, 800], rpy_deg = [170, 12, 8] }
+        [sweep]
+        step_deg = 360
+        [estimate]
+        intrinsics = ["k1", "k2", "k3", "k4"]
+        [selection]
+        count = 5
+    "#;
+    std::fs::write(desk.path("still.toml"), problem).unwrap();
+    for criterion in ["v", "d"] {
+        let line = format!("plan still.toml --criterion {criterion} -o still");
+        let output = desk.run(&line);
+        assert!(matches!(output.status.code(), Some(0 | 1)), "{output:?}");
+    }
+}
+
+#[test]
+fn what_told_of_an_earlier_plan_does_not_stay_beside_a_new_one() {
+    let desk = Desk::new();
+    desk.stdout("plan coarse.toml -q -k 10 --trials 2 --candidates csv -o out");
+    assert!(desk.files("out").contains(&"candidates.csv".to_owned()));
+    desk.stdout("plan coarse.toml -q -k 12 --trials 0 -o out");
+    assert_eq!(desk.files("out"), ["plan.csv", "plan.json", "run.json"]);
+}
+
+/// An even stride through the grid would always meet the last joint at one value.
+#[test]
+fn check_foresees_about_as_many_views_as_the_plan_finds() {
+    let desk = Desk::new();
+    let foreseen = desk.json("check coarse.toml --json")["estimated_views"].as_f64().unwrap();
+    let kept = desk.json("plan coarse.toml --json --trials 0 -o out")["candidates"]["kept"].as_f64().unwrap();
+    assert!((foreseen / kept - 1.0).abs() < 0.3, "{foreseen} foreseen, {kept} found");
 }

@@ -83,7 +83,7 @@ impl Lens {
             Lens::KannalaBrandt => {
                 let ρ = p.xy().norm();
                 let θ = ρ.atan2(p.z);
-                (θ <= reach && p.norm_squared() > 0.0)
+                (θ <= reach && (ρ > 0.0 || p.z > 0.0))
                     .then(|| if ρ == 0.0 { Vector2::zeros() } else { p.xy() * (fisheye_angle(θ, k) / ρ) })
             }
         }
@@ -220,7 +220,7 @@ fn fisheye_angle(θ: f64, k: &[f64]) -> f64 {
 fn fisheye_with_derivatives(p: &Vector3<f64>, k: &[f64], reach: f64) -> Option<Distorted> {
     let ρ = p.xy().norm();
     let θ = ρ.atan2(p.z);
-    if θ > reach || p.norm_squared() == 0.0 {
+    if θ > reach || (ρ == 0.0 && p.z <= 0.0) {
         return None;
     }
     let mut by_coefficients = SMatrix::zeros();

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::Overrides;
 use super::failure::Failure;
 use super::screen::{Screen, short, table};
+use super::{Overrides, trials};
 use crate::plan::{Choice, Chooser, Equivalent, Row, Survey, compare, equivalent_kmeans, survey, verify};
 use crate::problem::Problem;
 use crate::selection::Method;
@@ -24,7 +24,7 @@ pub(super) struct CompareArguments {
     #[arg(long, default_value_t = 5)]
     seeds: usize,
     /// Number of simulated calibrations per row for the measured columns; 0 for none
-    #[arg(long, default_value_t = 50)]
+    #[arg(long, default_value_t = 50, value_parser = trials())]
     trials: usize,
     /// Most poses to try for the k-means that equals the plan
     #[arg(long, default_value_t = 400)]
@@ -32,17 +32,23 @@ pub(super) struct CompareArguments {
 }
 
 pub(super) fn run(arguments: &CompareArguments, screen: &mut Screen) -> Result<(), Failure> {
-    if arguments.seeds == 0 || arguments.counts.contains(&0) {
-        return Err(Failure::Usage("--seeds and --counts must be at least 1".into()));
+    if arguments.seeds == 0 || arguments.seeds > 1000 || arguments.limit == 0 || arguments.counts.contains(&0) {
+        return Err(Failure::Usage("--seeds (at most 1000), --limit and --counts must be at least 1".into()));
     }
     let problem = arguments.problem.problem()?;
-    let k = problem.selection.count;
-    let counts = if arguments.counts.is_empty() { vec![k, k + k.div_ceil(2), 2 * k] } else { arguments.counts.clone() };
     let bar = screen.progress("sweeping", problem.space.len());
     let surveyed = survey(&problem, &|swept| bar.inc(swept as u64));
     bar.finish_and_clear();
     let survey = surveyed?;
 
+    let k = problem.selection.count;
+    let counts = if arguments.counts.is_empty() {
+        let mut counts = vec![k, k + k.div_ceil(2), 2 * k];
+        counts.retain(|&count| count == k || count <= survey.views.len());
+        counts
+    } else {
+        arguments.counts.clone()
+    };
     let chooser = Chooser::new(&problem, &survey);
     let bar = screen.progress("comparing", Method::ALL.len() * counts.len());
     let compared =
@@ -106,7 +112,7 @@ fn principal(problem: &Problem) -> Vec<(usize, &'static str)> {
 
 /// Simulated calibrations of a choice; `None` if none were asked for or nothing is predicted for it.
 fn measure(problem: &Problem, survey: &Survey, choice: &Choice, trials: usize) -> Option<MonteCarlo> {
-    if trials < 2 {
+    if trials == 0 {
         return None;
     }
     let configurations: Vec<Vec<f64>> = choice.selected.iter().map(|&i| survey.views[i].q.clone()).collect();

@@ -164,6 +164,14 @@ fn run(command: &Command, screen: &mut Screen) -> Result<(), Failure> {
     }
 }
 
+/// Parser of `--trials`: none, or enough for a standard deviation and few enough for memory.
+fn trials() -> impl clap::builder::TypedValueParser<Value = usize> {
+    use clap::builder::TypedValueParser;
+    clap::value_parser!(u64).range(0..=10_000_000).try_map(|trials| {
+        if trials == 1 { Err("one trial has no scatter; ask for 0 or at least 2") } else { Ok(trials as usize) }
+    })
+}
+
 /// Parser of `--method`.
 fn method() -> impl clap::builder::TypedValueParser<Value = Method> {
     by_name(&Method::ALL, Method::name)

@@ -8,10 +8,10 @@ use serde_json::json;
 
 use super::failure::Failure;
 use super::screen::{Screen, grouped, short, table};
-use super::{Overrides, TableFormat, WRITING, method, verify as verify_command};
+use super::{Overrides, TableFormat, WRITING, method, trials, verify as verify_command};
 use crate::plan::{
     Chooser, Plan, PlanError, PlannedPose, Survey, candidates_csv, candidates_parquet, compare, survey, verify,
-    write_atomically,
+    write_together,
 };
 use crate::problem::Problem;
 use crate::selection::Method;
@@ -31,7 +31,7 @@ pub(super) struct PlanArguments {
     #[arg(long, short)]
     output: Option<PathBuf>,
     /// Number of simulated calibrations that check the plan; 0 for none
-    #[arg(long, default_value_t = 100)]
+    #[arg(long, default_value_t = 100, value_parser = trials())]
     trials: usize,
     /// Write the candidates too
     #[arg(long, value_name = "FORMAT")]
@@ -39,7 +39,10 @@ pub(super) struct PlanArguments {
 }
 
 /// Seeds of the k-means runs that the summary sets beside the plan.
-const BASELINE_SEEDS: usize = 3;
+const BASELINE_SEEDS: usize = 5;
+
+/// Files of a plan that not every run writes; those of an earlier plan must not stay beside a new one.
+const OPTIONAL_FILES: [&str; 3] = ["verification.json", "candidates.csv", "candidates.parquet"];
 
 pub(super) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<(), Failure> {
     let start = Instant::now();
@@ -86,12 +89,10 @@ pub(super) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<(), 
         }
         None => {}
     }
-    let writing = WRITING.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    for (name, bytes) in &files {
-        write_atomically(&problem.output.join(name), bytes)?;
-    }
     let run = run_document(&arguments.problem.file, &problem, survey_time, selection_time, start.elapsed());
-    write_atomically(&problem.output.join("run.json"), run.as_bytes())?;
+    files.push(("run.json", run.into_bytes()));
+    let writing = WRITING.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    write_together(&problem.output, &files, &OPTIONAL_FILES)?;
     drop(writing);
 
     screen.document(&plan.to_json())?;
@@ -99,7 +100,7 @@ pub(super) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<(), 
         return Ok(());
     }
     let summary = summary(&problem, &survey, &chooser, &plan)?;
-    let names: Vec<&str> = files.iter().map(|(name, _)| *name).chain(["run.json"]).collect();
+    let names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
     screen.text(&format!(
         "{summary}{}\nWritten to {}: {}, in {:.2} s.",
         verified.as_ref().map(sentence).unwrap_or_default(),
@@ -130,7 +131,7 @@ fn verified(
     trials: usize,
     observe: &(dyn Fn(usize) + Sync),
 ) -> Result<Option<MonteCarlo>, Failure> {
-    if trials < 2 {
+    if trials == 0 {
         return Ok(None);
     }
     let view = |pose: &PlannedPose| survey.views.iter().find(|view| view.id == pose.id).map(|view| view.q.clone());

@@ -29,6 +29,11 @@ impl Planned {
                 problem_path.display()
             )));
         }
+        // The hash is of the problem file alone; a camera file that it names may have changed.
+        let nominal: Vec<f64> = problem.estimated.iter().map(|&i| problem.camera.intrinsics()[i]).collect();
+        if plan.intrinsics.nominal != nominal {
+            return Err(refused("it was made for another nominal camera; make a new plan".into()));
+        }
         let dof = problem.robot.chain.dof();
         if plan.poses.is_empty() || plan.poses.iter().any(|pose| pose.joints_rad.len() != dof) {
             return Err(refused(format!("its poses do not have the robot's {dof} joint values")));

@@ -4,12 +4,14 @@ use std::path::Path;
 
 use serde_json::json;
 
+use super::WRITING;
 use super::failure::Failure;
 use super::screen::{Screen, grouped, short};
-use crate::feasibility::visible_views;
+use crate::feasibility::{View, visible_views};
 use crate::plan::write_atomically;
 use crate::problem::{Problem, STARTER, schema_json};
 use crate::sweep::{AxisRule, JointSpace};
+use crate::target::AxisCase;
 
 /// Configurations tried to estimate how many see the board.
 const PILOT: usize = 20_000;
@@ -27,9 +29,17 @@ pub(super) fn check(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
     let pilot: Vec<usize> = if total <= PILOT {
         (0..total).collect()
     } else {
-        (0..PILOT).map(|i| (i as u128 * total as u128 / PILOT as u128) as usize).collect()
+        // Golden-section steps: an even stride would be in step with the grid and see one value of the inner joints.
+        (0..PILOT).map(|i| ((i as f64 * 0.618_033_988_749_895).fract() * total as f64) as usize).collect()
     };
-    let (views, _) = visible_views(robot, camera, target, visibility, space, &pilot);
+    let (mut views, _) = visible_views(robot, camera, target, visibility, space, &pilot);
+    if problem.axis == AxisRule::Zone {
+        let meets_zone = |view: &View| {
+            let point_T = view.target_point().map(|point| target.X_BT.inverse() * point);
+            point_T.is_some_and(|p| target.zone.case(p.x, p.y) != AxisCase::Outside)
+        };
+        views.retain(meets_zone);
+    }
     let share = views.len() as f64 / pilot.len() as f64;
     let seen = (share * total as f64).round() as usize;
     let p = problem.estimated.len();
@@ -60,14 +70,13 @@ pub(super) fn check(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
         .to_string(),
     )?;
     screen.text(&format!(
-        "{}: valid.\n{} joints, {space_text}.\nAbout {} of them see the whole board (from {} tried{}).\n`calipose plan` would \
+        "{}: valid.\n{} joints, {space_text}.\nAbout {} of them see the whole board (from {} tried).\n`calipose plan` would \
          choose {} poses by `{}` for criterion `{}`, estimating {}, and write to {}.\nIt would take about {} s and {} MB on \
          this machine.",
         problem.name,
         robot.chain.dof(),
         grouped(seen),
         grouped(pilot.len()),
-        if problem.axis == AxisRule::Zone { "; the axis test leaves fewer" } else { "" },
         selection.count,
         selection.method.name(),
         selection.criterion.name(),
@@ -82,7 +91,9 @@ pub(super) fn init(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
     if file.exists() {
         return Err(Failure::Exists(file.to_owned()));
     }
+    let writing = WRITING.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
     write_atomically(file, STARTER.as_bytes())?;
+    drop(writing);
     screen.document(&json!({ "format": "calipose.init", "version": 1, "file": file }).to_string())?;
     screen.text(&format!("Written {0}. Edit it, then:\n  calipose check {0}\n  calipose plan {0}", file.display()))
 }

@@ -8,8 +8,9 @@ use serde_json::{Value, json};
 use super::failure::Failure;
 use super::planned::Planned;
 use super::screen::{Screen, short, table};
+use super::trials;
 use crate::plan::{Plan, verify};
-use crate::verification::{Disturbance, MonteCarlo};
+use crate::verification::{Disturbance, MonteCarlo, deviation_interval};
 
 #[derive(Debug, Args)]
 pub(super) struct VerifyArguments {
@@ -19,7 +20,7 @@ pub(super) struct VerifyArguments {
     #[arg(long)]
     problem: Option<PathBuf>,
     /// Number of simulated calibrations
-    #[arg(long, short = 'n', default_value_t = 500)]
+    #[arg(long, short = 'n', default_value_t = 500, value_parser = trials())]
     trials: usize,
     /// Seed of the simulation
     #[arg(long, default_value_t = 0)]
@@ -84,7 +85,7 @@ impl DisturbanceArguments {
 }
 
 pub(super) fn run(arguments: &VerifyArguments, screen: &mut Screen) -> Result<(), Failure> {
-    if arguments.trials < 2 {
+    if arguments.trials == 0 {
         return Err(Failure::Usage("--trials must be at least 2".into()));
     }
     let disturbance = arguments.disturbance.disturbance()?;
@@ -142,17 +143,35 @@ pub(super) fn failures(found: &MonteCarlo) -> String {
     format!("{} of {} calibrations failed:\n{}", found.failures.len(), found.count, lines.join("\n"))
 }
 
-/// What the trials say of the plan, in words.
+/// Fewer successful trials tell too little for a verdict: the interval of a ratio is wider than ±35 %.
+const LEAST_TRIALS: usize = 30;
+
+/// A greater share of failed trials is said in the verdict.
+const MANY_FAILURES: f64 = 0.01;
+
+/// What the trials say of the plan, in words. The verdict as a whole errs once in a hundred plans that do as predicted: each
+/// of the p intervals is taken at a confidence of 1 − 0.01/p.
 pub(super) fn verdict(found: &MonteCarlo) -> String {
-    if found.failures.len() + 2 > found.count {
+    let good = found.count - found.failures.len();
+    if good < 2 {
         return String::from("Verdict: the plan does not lead to a calibration.");
     }
-    let worse: Vec<&str> = found.parameters.iter().filter(|p| p.interval.0 > 1.0).map(|p| p.name).collect();
-    let better: Vec<&str> = found.parameters.iter().filter(|p| p.interval.1 < 1.0).map(|p| p.name).collect();
-    match (worse.is_empty(), better.is_empty()) {
-        (true, true) => String::from("Verdict: the plan does what it predicts; every interval of the ratio holds 1."),
-        (true, false) => format!("Verdict: the plan does better than predicted in {}.", better.join(", ")),
-        (false, _) => format!("Verdict: the plan does worse than predicted in {}.", worse.join(", ")),
+    if good < LEAST_TRIALS {
+        return format!("Verdict: none; {good} calibrations tell too little, at least {LEAST_TRIALS} are needed.");
+    }
+    let (low, high) = deviation_interval(good, 1.0 - 0.01 / found.parameters.len() as f64);
+    let worse: Vec<&str> = found.parameters.iter().filter(|p| p.ratio * low > 1.0).map(|p| p.name).collect();
+    let better: Vec<&str> = found.parameters.iter().filter(|p| p.ratio * high < 1.0).map(|p| p.name).collect();
+    let scatter = match (worse.is_empty(), better.is_empty()) {
+        (true, true) => String::from("the plan does what it predicts; the scatter of every intrinsic agrees"),
+        (true, false) => format!("the plan does better than predicted in {}", better.join(", ")),
+        (false, _) => format!("the plan does worse than predicted in {}", worse.join(", ")),
+    };
+    let failed = found.failures.len() as f64 / found.count as f64;
+    if failed > MANY_FAILURES {
+        format!("Verdict: {:.0} % of the calibrations fail; of the others, {scatter}.", 100.0 * failed)
+    } else {
+        format!("Verdict: {scatter}.")
     }
 }
 

@@ -114,25 +114,31 @@ pub fn visible_views(
     candidates: &[usize],
 ) -> (Vec<View>, [usize; Rejection::ALL.len()]) {
     let corners: Vec<Point3<f64>> = target.board.corners().collect();
-    let verdicts: Vec<Result<View, Rejection>> = candidates
-        .par_iter()
-        .with_min_len(64)
-        .map(|&id| {
-            let q = space.configuration(id);
-            let X_BC = robot.camera_pose(&q);
-            let X_CT = X_BC.inverse() * target.X_BT;
-            match rejection(camera, target, limits, &corners, &X_CT) {
-                Some(reason) => Err(reason),
-                None => Ok(View { id, q, X_BC, X_CT }),
-            }
+    let test = |&id: &usize| {
+        let q = space.configuration(id);
+        let X_BC = robot.camera_pose(&q);
+        let X_CT = X_BC.inverse() * target.X_BT;
+        match rejection(camera, target, limits, &corners, &X_CT) {
+            Some(reason) => Err(reason),
+            None => Ok(View { id, q, X_BC, X_CT }),
+        }
+    };
+    // Chunk by chunk, so that the rejected take no memory.
+    let chunks: Vec<_> = candidates
+        .par_chunks(1024)
+        .map(|chunk| {
+            let mut rejected = [0; Rejection::ALL.len()];
+            let view = |verdict: Result<View, Rejection>| verdict.map_err(|reason| rejected[reason as usize] += 1).ok();
+            let views: Vec<View> = chunk.iter().map(test).filter_map(view).collect();
+            (views, rejected)
         })
         .collect();
     let mut rejected = [0; Rejection::ALL.len()];
     let mut views = Vec::new();
-    for verdict in verdicts {
-        match verdict {
-            Ok(view) => views.push(view),
-            Err(reason) => rejected[reason as usize] += 1,
+    for (some_views, some_rejected) in chunks {
+        views.extend(some_views);
+        for (sum, count) in rejected.iter_mut().zip(some_rejected) {
+            *sum += count;
         }
     }
     (views, rejected)

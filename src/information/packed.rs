@@ -1,7 +1,7 @@
 //! Small symmetric matrices in packed storage.
 //!
 //! A p×p symmetric matrix is its lower triangle, row by row: entry (i, j), j ≤ i, at `i (i + 1) / 2 + j`. Rows are
-//! contiguous, so the inner loops below run over slices; nothing here allocates.
+//! contiguous, so the inner loops below run over slices; the factorisations and solves allocate nothing.
 
 use nalgebra::DMatrix;
 

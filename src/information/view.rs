@@ -57,7 +57,7 @@ impl Measurement<'_> {
                 }
             }
         }
-        eliminate(&mut normal, POSE, columns)?;
+        eliminate_pose(&mut normal, columns)?;
         let scale = 1.0 / (self.noise * self.noise);
         Some(
             (POSE..columns)
@@ -78,12 +78,13 @@ impl Measurement<'_> {
     }
 }
 
-/// Eliminates the first `count` variables of a packed symmetric matrix by as many steps of Cholesky's method, leaving
+/// Eliminates the pose's six variables, the first of a packed symmetric matrix, by six steps of Cholesky's method, leaving
 /// the Schur complement in the rest. `None` if they are not determined.
-fn eliminate(m: &mut [f64], count: usize, order: usize) -> Option<()> {
-    for k in 0..count {
+fn eliminate_pose(m: &mut [f64], order: usize) -> Option<()> {
+    let original: [f64; POSE] = std::array::from_fn(|k| m[packed_len(k) + k]);
+    for k in 0..POSE {
         let pivot = m[packed_len(k) + k];
-        if pivot.is_nan() || pivot <= 0.0 {
+        if pivot.is_nan() || pivot <= 8.0 * f64::EPSILON * original[k] {
             return None;
         }
         for i in k + 1..order {

@@ -143,9 +143,11 @@ impl<'a> Chooser<'a> {
         let greedy = || greedy(&instance).map_err(|e| self.explain(e));
         let selected = match method {
             Method::Best => best(&instance, &self.settings, seed).map_err(|e| self.explain(e))?.selected,
-            Method::Relaxation => relax(&instance, &exchange(&instance, greedy()?), &self.settings)
-                .map(|relaxation| relaxation.largest(count))
-                .unwrap_or_default(),
+            Method::Relaxation => {
+                let start = exchange(&instance, greedy()?);
+                let relaxation = relax(&instance, &start, &self.settings);
+                relaxation.ok_or_else(|| self.explain(instance.unobservable(&start)))?.largest(count)
+            }
             Method::Exchange => exchange(&instance, greedy()?),
             Method::Greedy => greedy()?,
             Method::Random => random(self.survey.views.len(), count, seed),

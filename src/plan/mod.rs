@@ -16,7 +16,7 @@ pub use document::{
     Candidates, CertificateDocument, Intrinsics, PLAN_FORMAT, PLAN_VERSION, Plan, PlanReadError, PlannedPose, Pose,
     ProblemReference,
 };
-pub use files::{FileError, write_atomically};
+pub use files::{FileError, write_atomically, write_together};
 pub use next::{Proposal, Wish, next};
 pub use survey::{Survey, SurveyError, survey};
 pub use verify::{VerifyError, verify};

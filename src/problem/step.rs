@@ -9,8 +9,8 @@ use crate::sweep::{JointGrid, JointSpace};
 /// Why a step makes no grid.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum StepError {
-    /// The step is not a positive number.
-    #[error("a step of {step} rad makes no grid; it must be positive and finite")]
+    /// The step is not a number large enough to count with.
+    #[error("a step of {:.6}° makes no grid; it must be greater than 10⁻⁷ degrees", step.to_degrees())]
     NotPositive {
         /// The step in rad.
         step: f64,
@@ -22,7 +22,7 @@ pub enum StepError {
         joint: String,
     },
     /// The grid is too large.
-    #[error("a step of {step} rad makes {configurations} configurations, more than the {most} allowed")]
+    #[error("a step of {:.6}° makes {configurations} configurations, more than the {most} allowed", step.to_degrees())]
     TooManyConfigurations {
         /// The step in rad.
         step: f64,

@@ -11,7 +11,7 @@ pub struct Certificate {
     pub log_bound: f64,
 }
 
-/// Allowance for the rounding of the bound's own evaluation: sums of a few thousand terms of double precision.
+/// Allowance for the rounding of the polar function and the logarithms; that of the scores is bounded term by term.
 const ROUNDING: f64 = 1e-12;
 
 impl Certificate {
@@ -29,7 +29,13 @@ impl Certificate {
         let p = instance.order();
         let prior = crate::information::packed::dual(y.clone(), p);
         let known: f64 = prior.iter().zip(instance.prior()).map(|(y, m)| y * m).sum();
-        let S = known + sum_of_largest(scores.to_vec(), instance.count());
+        // Rounding of the scores that count: q products each, whose terms may cancel.
+        let least = kth_largest(scores, instance.count());
+        let counted = (0..scores.len()).filter(|&i| scores[i] >= least);
+        let terms =
+            counted.flat_map(|i| instance.candidates().packed(i).iter().zip(&prior).map(|(m, y)| (m * y).abs()));
+        let rounding = prior.len() as f64 * f64::EPSILON * terms.sum::<f64>();
+        let S = rounding + known + sum_of_largest(scores.to_vec(), instance.count());
         let log_bound = S.ln() - instance.function().log_polar(&y, p) + ROUNDING;
         Self { y, log_bound: if log_bound.is_nan() { f64::INFINITY } else { log_bound } }
     }
@@ -38,6 +44,11 @@ impl Certificate {
     pub fn efficiency(&self, log_value: f64) -> f64 {
         (log_value - self.log_bound).exp()
     }
+}
+
+/// The `count`-th largest number.
+fn kth_largest(numbers: &[f64], count: usize) -> f64 {
+    *numbers.to_vec().select_nth_unstable_by(count - 1, |a, b| b.total_cmp(a)).1
 }
 
 /// Sum of the `count` largest numbers.

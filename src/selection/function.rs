@@ -19,7 +19,7 @@ use crate::information::packed::{cholesky, log_det, pack, packed_len, solve_lowe
 pub enum InformationFunction {
     /// `Φ(M) = det(M)^(1/p)`, criterion `d`; `Φ°(Y) = p det(Y)^(1/p)`.
     Determinant,
-    /// `Φ(M) = 1 / tr(Lᵀ M⁻¹ L)`, criteria `a` and `v`, with the p×r factor L of the weight `W = L Lᵀ`;
+    /// `Φ(M) = 1 / tr(Lᵀ M⁻¹ L)`, criterion `v`, with the p×r factor L of the weight `W = L Lᵀ`;
     /// `Φ°(Y) = (tr (Lᵀ Y L)^½)²`.
     Variance(DMatrix<f64>),
 }
@@ -72,7 +72,7 @@ impl InformationFunction {
             return None;
         }
         Some(match self {
-            InformationFunction::Determinant => pack(&(inverse_square(&l, &DMatrix::identity(p, p)) / p as f64)),
+            InformationFunction::Determinant => pack(&(inverse(&l, p) / p as f64)),
             InformationFunction::Variance(factor) => {
                 let mut X = factor.clone(); // M⁻¹ L
                 solve_columns(&l, &mut X);
@@ -189,9 +189,9 @@ fn solve_columns_transposed(l: &[f64], X: &mut DMatrix<f64>) {
     }
 }
 
-/// `L⁻ᵀ (L⁻¹ X X ᵀ L⁻ᵀ) L⁻¹`; with X the identity, M⁻¹.
-fn inverse_square(l: &[f64], X: &DMatrix<f64>) -> DMatrix<f64> {
-    let mut X = X.clone();
+/// `M⁻¹ = L⁻ᵀ L⁻¹` of a packed Cholesky factor.
+fn inverse(l: &[f64], p: usize) -> DMatrix<f64> {
+    let mut X = DMatrix::identity(p, p);
     solve_columns_transposed(l, &mut X);
     &X * X.transpose()
 }

@@ -34,21 +34,20 @@ pub fn greedy(instance: &Instance) -> Result<Vec<usize>, SelectionError> {
             instance.candidates().add_to(work, i, 1.0);
             instance.function().log_value(work, p)
         };
-        let reached = best_scores(&scores, &free, PROBES)
-            .into_iter()
-            .map(|i| value_with(&mut Vec::new(), i))
-            .fold(f64::NEG_INFINITY, f64::max);
-        let least_score = (reached - before - 1e-12).exp_m1();
+        let better = |a: (f64, usize), b: (f64, usize)| if b.0 > a.0 || (b.0 == a.0 && b.1 < a.1) { b } else { a };
+        let probes = best_scores(&scores, &free, PROBES).into_iter().map(|i| (value_with(&mut Vec::new(), i), i));
+        let probed = probes.fold((f64::NEG_INFINITY, usize::MAX), better);
+        let least_score = (probed.0 - before - 1e-12).exp_m1();
         let best = (0..scores.len())
             .into_par_iter()
             .with_min_len(1024)
             .filter(|&i| free[i] && scores[i] >= least_score)
             .map_init(Vec::new, |work, i| (value_with(work, i), i))
-            .reduce(
-                || (f64::NEG_INFINITY, usize::MAX),
-                |a, b| if b.0 > a.0 || (b.0 == a.0 && b.1 < a.1) { b } else { a },
-            );
+            .reduce(|| probed, better);
         let i = best.1;
+        if i == usize::MAX {
+            return Err(instance.least_known(&total, selected.len()));
+        }
         free[i] = false;
         instance.candidates().add_to(&mut total, i, 1.0);
         selected.push(i);

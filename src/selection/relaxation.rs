@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Two loops. The outer one keeps a working set of columns: it scores **all** candidates with the gradient Y of log Φ,
-//! evaluates the certificate, and adds those whose score could still raise the optimum. The inner one is Newton's method on
+//! evaluates the certificate, and adds the best that are outside. The inner one is Newton's method on
 //! the working set: with `B = [map(M_i)]` the square root of the curvature (see [`Curvature`]), each step is the quadratic
 //! program
 //!
@@ -72,7 +72,7 @@ pub fn relax(instance: &Instance, start: &[usize], settings: &RelaxationSettings
     let mut columns = start.to_vec();
     let mut weights = vec![1.0; columns.len()];
     let mut master = Master { instance, newton_steps: 0 };
-    let mut y = master.gradient(&columns, &weights)?;
+    let y = master.gradient(&columns, &weights)?;
     let mut scores = instance.scores(&y);
     let mut certificate = Certificate::from_scores(instance, y, &scores);
     let mut log_value = instance.log_value(&master.total(&columns, &weights));
@@ -95,7 +95,8 @@ pub fn relax(instance: &Instance, start: &[usize], settings: &RelaxationSettings
         let solved = master.solve(&columns, &mut weights, 0.5 * settings.tolerance);
         let total = master.total(&columns, &weights);
         let reached = instance.log_value(&total);
-        y = master.gradient(&columns, &weights)?;
+        // A certificate in hand holds whatever becomes of the weights.
+        let Some(y) = master.gradient(&columns, &weights) else { break };
         scores = instance.scores(&y);
         let found = Certificate::from_scores(instance, y, &scores);
         let bound_before = certificate.log_bound;

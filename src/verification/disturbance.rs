@@ -7,7 +7,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::simulation::{Scene, trial_seed};
 use crate::camera::Camera;
-use crate::robot::Robot;
+use crate::robot::{JointKind, Robot};
 use crate::spatial::Pose;
 use crate::target::Target;
 
@@ -17,7 +17,7 @@ pub struct Disturbance {
     /// Standard deviation of the relative error of the nominal fx and fy (one factor for both), and of the nominal cx and cy
     /// as a share of the focal length.
     pub intrinsics: f64,
-    /// Standard deviation of every joint value, rad (or m for prismatic joints).
+    /// Standard deviation of every revolute joint, rad.
     pub joints: f64,
     /// Standard deviation of the camera mount's rotation about each axis, rad; one error for all views.
     pub mount_rotation: f64,
@@ -65,7 +65,13 @@ impl Disturbance {
         );
         let robot = Robot { chain: robot.chain.clone(), X_FC: robot.X_FC * mount };
         let mut pose = |q: &Vec<f64>| {
-            let q: Vec<f64> = q.iter().map(|q| q + normal(self.joints)).collect();
+            let joints = robot.chain.joints.iter().zip(q);
+            let q: Vec<f64> = joints
+                .map(|(joint, q)| match joint.kind {
+                    JointKind::Revolute => q + normal(self.joints),
+                    JointKind::Prismatic => *q,
+                })
+                .collect();
             robot.camera_pose(&q).inverse() * target.X_BT
         };
         let poses: Vec<Pose> = configurations.iter().map(&mut pose).collect();
