@@ -80,6 +80,9 @@ fn plan_help(error: &PlanError) -> &'static str {
         PlanError::Unobservable { .. } => {
             "ask for more poses, or take a parameter of the combination out of [estimate]"
         }
+        PlanError::Covariance => {
+            "the views taken leave a combination all but open; take more of the plan's poses first"
+        }
         PlanError::Selection(_) | PlanError::Clustering(_) => "this is probably a bug; please report it",
     }
 }

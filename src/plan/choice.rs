@@ -34,6 +34,9 @@ pub enum PlanError {
         /// Names of the intrinsics and their coefficients in the combination, largest 1.
         combination: Vec<(&'static str, f64)>,
     },
+    /// What is known already is not positive definite.
+    #[error("the covariance of the calibration is not positive definite to working precision")]
+    Covariance,
     /// The selection was refused.
     #[error(transparent)]
     Selection(SelectionError),

@@ -38,7 +38,7 @@ pub struct Proposal {
 /// are surveyed anew with the calibrated camera and its noise.
 ///
 /// # Errors
-/// When there are no views to choose from.
+/// When there are no views to choose from, or the calibration's covariance is not positive definite.
 pub fn next(
     problem: &Problem,
     calibration: &Calibration,
@@ -48,13 +48,8 @@ pub fn next(
     let problem = Problem { camera: calibration.camera.clone(), noise: calibration.sigma, ..problem.clone() };
     let survey = survey(&problem, observe)?;
     let known = (&survey.map_weight * &calibration.covariance).trace().sqrt();
-    let prior = calibration.covariance.clone().cholesky().map(|factor| factor.inverse());
-    // A calibration's covariance is positive definite; should rounding say otherwise, nothing is taken for known.
-    let chooser = Chooser::new(&problem, &survey);
-    let chooser = match prior {
-        Some(prior) => chooser.with_prior(prior),
-        None => chooser,
-    };
+    let prior = calibration.covariance.clone().cholesky().ok_or(PlanError::Covariance)?.inverse();
+    let chooser = Chooser::new(&problem, &survey).with_prior(prior);
     let (counts, goal) = match wish {
         Wish::Count(count) => (count..=count, f64::INFINITY),
         Wish::Accuracy { map_error, .. } if known <= map_error => {
