@@ -2,8 +2,10 @@
 
 mod chain;
 pub mod dh;
+mod tree;
 
 pub use chain::{Chain, Joint, JointKind, Limits};
+pub use tree::{Body, Link, Motion, PointMass, Shape, Tree};
 
 use crate::spatial::Pose;
 
