@@ -21,7 +21,7 @@
 //! let problem = Problem::read(Path::new("problems/servosila-engineer.toml"))?;
 //! let coarse = problem.with_step(20f64.to_radians())?;
 //! let survey = survey(&coarse, &|_| {})?;
-//! let (choice, certificate) = Chooser::new(&coarse, &survey).best(10, 0)?;
+//! let (choice, certificate) = Chooser::new(&coarse, &survey)?.best(10, 0)?;
 //! assert_eq!(choice.selected.len(), 10);
 //! assert!(certificate.efficiency(choice.log_value) > 0.9);
 //! # Ok::<(), Box<dyn std::error::Error>>(())

@@ -16,7 +16,7 @@ const SEEDS: usize = 5;
 
 fn surveyed(criterion: Criterion) -> (Problem, Survey) {
     let mut problem = Problem::read(Path::new("problems/servosila-engineer.toml")).unwrap();
-    problem.selection.criterion = criterion;
+    problem.selection.criteria = vec![(criterion, 1.0)];
     let survey = survey(&problem, &|_| {}).unwrap();
     (problem, survey)
 }
@@ -25,7 +25,7 @@ fn surveyed(criterion: Criterion) -> (Problem, Survey) {
 #[ignore = "clusters large sets: half a minute in release, many in debug; CI runs it with --release"]
 fn ten_poses_beat_eighty_clustered_and_twenty_beat_a_hundred_and_twenty() {
     let (problem, survey) = surveyed(Criterion::V);
-    let chooser = Chooser::new(&problem, &survey);
+    let chooser = Chooser::new(&problem, &survey).unwrap();
     let clusterings = [Method::KMeansJoints, Method::KMeansPositions];
     for (few, many) in [(10, 80), (20, 120)] {
         let (plan, _) = chooser.best(few, problem.selection.seed).unwrap();
@@ -45,7 +45,7 @@ fn ten_poses_beat_eighty_clustered_and_twenty_beat_a_hundred_and_twenty() {
 /// The default method's certified efficiencies are at least these, without slack.
 fn certified(criterion: Criterion, floors: [(usize, f64); 4]) {
     let (problem, survey) = surveyed(criterion);
-    let chooser = Chooser::new(&problem, &survey);
+    let chooser = Chooser::new(&problem, &survey).unwrap();
     let mut missed = Vec::new();
     for (count, floor) in floors {
         let (choice, certificate) = chooser.best(count, problem.selection.seed).unwrap();

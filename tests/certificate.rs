@@ -5,25 +5,35 @@
 
 #![allow(non_snake_case, clippy::unwrap_used)]
 
+use std::ops::ControlFlow;
+
 use calipose::information::packed::pack;
 use calipose::information::{InformationError, InformationSet};
 use calipose::selection::{
-    Certificate, InformationFunction, Instance, RelaxationSettings, SelectionError, best, exchange, greedy, relax,
+    Cap, Certificate, Constraints, Gradient, InformationFunction, Instance, RelaxationSettings, SearchEnd,
+    SelectionError, Separation, Term, best, exchange, fewest, greedy, relax, search,
 };
 use nalgebra::DMatrix;
 use rand::{Rng, SeedableRng};
 use rand_distr::StandardNormal;
 use rand_xoshiro::Xoshiro256Plus;
 
-const SEEDS: u64 = 240;
+const SEEDS: u64 = 420;
 
 /// A random instance that is small enough to search.
 #[derive(Debug)]
 struct Case {
+    terms: Vec<OwnedTerm>,
+    count: usize,
+    constraints: Constraints,
+}
+
+#[derive(Debug)]
+struct OwnedTerm {
     candidates: InformationSet,
     prior: Option<DMatrix<f64>>,
     function: InformationFunction,
-    count: usize,
+    share: f64,
 }
 
 fn normal(rng: &mut impl Rng, rows: usize, columns: usize) -> DMatrix<f64> {
@@ -36,21 +46,19 @@ fn semidefinite(rng: &mut impl Rng, p: usize, rank: usize) -> DMatrix<f64> {
     &A * A.transpose()
 }
 
-impl Case {
-    /// Case `seed`: orders 1 to 4, ranks from one up, with and without prior, units apart by powers of ten, candidates
-    /// repeated, every kind of function.
-    fn random(seed: u64) -> Self {
-        let mut rng = Xoshiro256Plus::seed_from_u64(seed);
-        let p = rng.gen_range(1..=4);
-        let n = rng.gen_range(p.max(2)..=14);
-        let count = rng.gen_range(1..=n.min(4));
-        let units = DMatrix::from_diagonal(&normal(&mut rng, p, 1).map(|x| 10f64.powf(2.0 * x)).column(0).into_owned());
+impl OwnedTerm {
+    /// Orders 1 to 4, ranks from one up, with and without prior, units apart by powers of ten, candidates repeated.
+    fn random(rng: &mut impl Rng, kind: u64, n: usize, count: usize, share: f64) -> Self {
+        let p = rng.gen_range(1..=4.min(n));
+        // The least eigenvalue means something only where the units are alike.
+        let spread = if kind == 3 { 0.2 } else { 2.0 };
+        let units = DMatrix::from_diagonal(&normal(rng, p, 1).map(|x| 10f64.powf(spread * x)).column(0).into_owned());
         let least_rank = p.div_ceil(count);
         let mut matrices: Vec<_> = (0..n)
             .map(|_| {
                 let rank = rng.gen_range(least_rank..=p);
                 let size = rng.gen_range(-1.0..1.0f64).exp();
-                &units * semidefinite(&mut rng, p, rank) * &units * size
+                &units * semidefinite(rng, p, rank) * &units * size
             })
             .collect();
         if rng.gen_bool(0.3) {
@@ -58,21 +66,91 @@ impl Case {
         }
         let prior = rng.gen_bool(0.5).then(|| {
             let rank = rng.gen_range(1..=p);
-            &units * semidefinite(&mut rng, p, rank) * &units * 0.5
+            &units * semidefinite(rng, p, rank) * &units * 0.5
         });
-        let function = match seed % 3 {
+        let mut weight = |rank: usize| &units * semidefinite(rng, p, rank) * &units;
+        let function = match kind {
             0 => InformationFunction::Determinant,
-            1 => InformationFunction::variance(&(&units * semidefinite(&mut rng, p, p) * &units)),
-            _ => {
-                let rank = rng.gen_range(1..=p);
-                InformationFunction::variance(&(&units * semidefinite(&mut rng, p, rank) * &units))
-            }
+            1 => InformationFunction::variance(&weight(p)),
+            2 => InformationFunction::variance(&weight(1)),
+            3 => InformationFunction::min_eigenvalue(),
+            _ => InformationFunction::worst_variance(&[weight(1), weight(p), weight(1)]),
         };
-        Self { candidates: InformationSet::from_matrices(p, &matrices).unwrap(), prior, function, count }
+        Self { candidates: InformationSet::from_matrices(p, &matrices).unwrap(), prior, function, share }
+    }
+}
+
+/// Constraints that the selection `keeps` satisfies, so that there is one that does.
+fn constraints(rng: &mut impl Rng, n: usize, keeps: &[usize]) -> Constraints {
+    let is_kept = |i: &usize| keeps.contains(i);
+    let required = keeps.iter().copied().filter(|_| rng.gen_bool(0.2)).collect();
+    let forbidden = (0..n).filter(|i| !is_kept(i) && rng.gen_bool(0.15)).collect();
+    let cap = |members: Vec<usize>| Cap { most: members.iter().filter(|&i| is_kept(i)).count().max(1), members };
+    let caps = (0..2).map(|_| cap((0..n).filter(|_| rng.gen_bool(0.5)).collect())).collect();
+    let points: Vec<Vec<f64>> = (0..n).map(|_| vec![rng.gen_range(0.0..1.0), rng.gen_range(0.0..1.0)]).collect();
+    let distance = |i: usize, j: usize| (points[i][0] - points[j][0]).hypot(points[i][1] - points[j][1]);
+    let pairs = keeps.iter().flat_map(|&i| keeps.iter().map(move |&j| (i, j))).filter(|(i, j)| i < j);
+    let least = pairs.map(|(i, j)| distance(i, j)).fold(0.7, f64::min) * 0.999; // off the boundary, where the last digit decides
+    Constraints { required, forbidden, caps, separations: vec![Separation { points, least }] }
+}
+
+impl Case {
+    /// Case `seed`: every kind of function, two terms, and every kind of constraint in turn.
+    fn random(seed: u64) -> Self {
+        let mut rng = Xoshiro256Plus::seed_from_u64(seed);
+        let n = rng.gen_range(4..=14);
+        let count = rng.gen_range(1..=4);
+        let terms = match seed % 7 {
+            5 => vec![OwnedTerm::random(&mut rng, 1, n, count, 0.7), OwnedTerm::random(&mut rng, 0, n, count, 0.3)],
+            6 => vec![OwnedTerm::random(&mut rng, 3, n, count, 0.5), OwnedTerm::random(&mut rng, 4, n, count, 0.5)],
+            kind => vec![OwnedTerm::random(&mut rng, kind, n, count, 1.0)],
+        };
+        let mut constraints_of = |constrained: bool| {
+            let keeps = rand::seq::index::sample(&mut rng, n, count).into_vec();
+            if constrained { constraints(&mut rng, n, &keeps) } else { Constraints::default() }
+        };
+        let constraints = constraints_of(seed / 7 % 2 == 1);
+        Self { terms, count, constraints }
     }
 
-    fn instance(&self) -> Instance<'_> {
-        Instance::new(&self.candidates, self.prior.as_ref(), &self.function, self.count).unwrap()
+    fn terms(&self) -> Vec<Term<'_>> {
+        self.terms
+            .iter()
+            .map(|OwnedTerm { candidates, prior, function, share }| Term {
+                candidates,
+                prior: prior.as_ref(),
+                function,
+                share: *share,
+            })
+            .collect()
+    }
+
+    /// The instance; none if the allowed candidates leave something undetermined.
+    fn instance(&self) -> Option<Instance<'_>> {
+        match Instance::constrained(&self.terms(), self.count, self.constraints.clone()) {
+            Err(SelectionError::Unobservable { .. }) => None,
+            instance => Some(instance.unwrap()),
+        }
+    }
+
+    fn allows(&self, selected: &[usize]) -> bool {
+        let Constraints { required, forbidden, caps, separations } = &self.constraints;
+        let apart = |s: &Separation, i: usize, j: usize| {
+            (s.points[i][0] - s.points[j][0]).powi(2) + (s.points[i][1] - s.points[j][1]).powi(2) >= s.least.powi(2)
+        };
+        required.iter().all(|i| selected.contains(i))
+            && !selected.iter().any(|i| forbidden.contains(i))
+            && caps.iter().all(|cap| selected.iter().filter(|i| cap.members.contains(i)).count() <= cap.most)
+            && separations.iter().all(|s| selected.iter().all(|&i| selected.iter().all(|&j| i == j || apart(s, i, j))))
+    }
+
+    /// The greatest log Φ of all allowed selections.
+    fn optimum(&self, instance: &Instance) -> f64 {
+        let n = instance.len();
+        let subsets = (0u32..1 << n).filter(|subset| subset.count_ones() as usize == self.count);
+        let selections = subsets.map(|subset| (0..n).filter(|i| subset >> i & 1 == 1).collect::<Vec<_>>());
+        let allowed = selections.filter(|selected| self.allows(selected));
+        allowed.map(|selected| value(instance, &selected)).fold(f64::NEG_INFINITY, f64::max)
     }
 }
 
@@ -82,41 +160,45 @@ fn value(instance: &Instance, selected: &[usize]) -> f64 {
     instance.log_value(&instance.total(&ascending))
 }
 
-/// The greatest log Φ of all selections.
-fn optimum(instance: &Instance) -> f64 {
-    let n = instance.candidates().len();
-    let subsets = (0u32..1 << n).filter(|subset| subset.count_ones() as usize == instance.count());
-    let selection = |subset: u32| (0..n).filter(|i| subset >> i & 1 == 1).collect::<Vec<_>>();
-    subsets.map(|subset| value(instance, &selection(subset))).fold(f64::NEG_INFINITY, f64::max)
-}
-
 #[test]
 fn no_selection_beats_the_bound_and_the_methods_are_in_order() {
+    let mut dead_ends = 0;
     for seed in 0..SEEDS {
         let case = Case::random(seed);
-        let instance = case.instance();
-        let optimum = optimum(&instance);
-        let first = greedy(&instance).unwrap();
+        let Some(instance) = case.instance() else { continue };
+        let optimum = case.optimum(&instance);
+        let first = match greedy(&instance) {
+            Err(SelectionError::DeadEnd { .. } | SelectionError::Unobservable { .. })
+                if case.constraints != Constraints::default() =>
+            {
+                dead_ends += 1;
+                continue;
+            }
+            first => first.unwrap(),
+        };
         let swapped = exchange(&instance, first.clone());
         let settings = RelaxationSettings::default();
         let relaxation = relax(&instance, &swapped, &settings).unwrap();
         let best = best(&instance, &settings, seed).unwrap();
 
         // Every selection is among those that the search has seen: no tolerance.
-        assert!(value(&instance, &first) <= optimum, "seed {seed}");
-        assert!(value(&instance, &swapped) <= optimum, "seed {seed}");
-        assert!(value(&instance, &best.selected) <= optimum, "seed {seed}");
+        for selected in [&first, &swapped, &best.selected] {
+            assert!(case.allows(selected), "seed {seed}: {selected:?}");
+            assert!(value(&instance, selected) <= optimum, "seed {seed}");
+        }
         // Each improves on the one before; sums in another order may differ in the last digits.
         assert!(value(&instance, &first) <= value(&instance, &swapped) + 1e-12, "seed {seed}");
         assert!(value(&instance, &swapped) <= value(&instance, &best.selected) + 1e-12, "seed {seed}");
         assert!((value(&instance, &best.selected) - best.log_value).abs() <= 1e-12, "seed {seed}");
 
+        let smooth = instance.is_smooth();
+        let tolerance = if smooth { settings.tolerance } else { RelaxationSettings::KINK_TOLERANCE };
         for relaxation in [&relaxation, &best.relaxation] {
             let bound = relaxation.certificate.log_bound;
             assert!(bound >= optimum, "seed {seed}: the bound {bound} is {:e} too low", optimum - bound);
             assert!(relaxation.solved, "seed {seed}: gap {:e}", bound - relaxation.log_value);
-            assert!(bound - relaxation.log_value <= settings.tolerance, "seed {seed}");
-            assert!(relaxation.log_value >= optimum - 1e-9, "seed {seed}");
+            assert!(bound - relaxation.log_value <= tolerance, "seed {seed}");
+            assert!(relaxation.log_value >= optimum - tolerance, "seed {seed}");
             let total: f64 = relaxation.weights.iter().map(|(_, weight)| weight).sum();
             assert!((total - case.count as f64).abs() < 1e-6, "seed {seed}");
             assert!(relaxation.weights.iter().all(|(_, weight)| (0.0..=1.0).contains(weight)), "seed {seed}");
@@ -124,24 +206,80 @@ fn no_selection_beats_the_bound_and_the_methods_are_in_order() {
         let efficiency = best.relaxation.certificate.efficiency(best.log_value);
         assert!(efficiency > 0.0 && efficiency <= 1.0, "seed {seed}: {efficiency}");
     }
+    assert!(dead_ends < SEEDS / 20, "{dead_ends}");
 }
 
-/// A bound does not depend on where Y came from: near the optimum's, far from it, or of deficient rank.
+/// Branch and bound ends with the optimum and its proof.
+#[test]
+fn the_search_finds_what_exhaustion_finds() {
+    for seed in 0..SEEDS {
+        let case = Case::random(seed);
+        let Some(instance) = case.instance() else { continue };
+        let Ok(start) = best(&instance, &RelaxationSettings::default(), seed) else { continue };
+        let optimum = case.optimum(&instance);
+        let mut bounds = vec![];
+        let found = search(&instance, &start, f64::NEG_INFINITY, 100_000, &mut |progress| {
+            bounds.push(progress.log_bound);
+            ControlFlow::Continue(())
+        });
+        assert_eq!(found.end, SearchEnd::Optimal, "seed {seed}: {found:?}");
+        assert!(case.allows(&found.selected), "seed {seed}: {found:?} {case:?}");
+        assert!((found.log_value - optimum).abs() <= 2e-9, "seed {seed}: {} {optimum}", found.log_value);
+        assert!(found.log_bound >= optimum && found.log_bound <= found.log_value + 2e-9, "seed {seed}");
+        // At any time the bound holds.
+        assert!(bounds.iter().all(|&bound| bound >= optimum - 1e-9), "seed {seed}: {bounds:?} {optimum}");
+    }
+}
+
+/// The fewest candidates that reach a level, against exhaustion over every number.
+#[test]
+fn no_fewer_reach_the_level() {
+    for seed in 0..SEEDS {
+        let mut case = Case::random(seed);
+        case.constraints = Constraints::default();
+        let mut reached = vec![];
+        for count in 1..=4 {
+            case.count = count;
+            reached.push(case.optimum(&case.instance().unwrap()));
+        }
+        let instance = case.instance().unwrap();
+        let level = reached[2] - 0.01;
+        if !level.is_finite() {
+            continue;
+        }
+        let least = 1 + reached.iter().position(|&value| value >= level).unwrap();
+        let n = instance.len();
+        let settings = RelaxationSettings::default();
+        let found = fewest(&instance, level, n, &settings, seed, 100_000, &mut |_| ControlFlow::Continue(())).unwrap();
+        assert_eq!(found.best.selected.len(), least, "seed {seed}");
+        assert!(found.best.log_value >= level, "seed {seed}");
+        assert!(found.least <= least, "seed {seed}");
+        // Singular sets are proven nothing of by a relaxation; elsewhere the proof is complete.
+        assert!(
+            found.least == least || reached[least.saturating_sub(2)] == f64::NEG_INFINITY,
+            "seed {seed}: {found:?}"
+        );
+    }
+}
+
+/// A bound does not depend on where Y, the mixture and the prices came from: near the optimum's, far from it, or of deficient
+/// rank.
 #[test]
 fn any_semidefinite_matrix_proves_a_bound() {
     for seed in 0..SEEDS {
         let case = Case::random(seed);
-        let instance = case.instance();
-        let optimum = optimum(&instance);
-        let p = instance.order();
+        let Some(instance) = case.instance() else { continue };
+        let optimum = case.optimum(&instance);
         let mut rng = Xoshiro256Plus::seed_from_u64(seed ^ 0x5EED);
-        for rank in (1..=p).chain([2 * p]) {
-            let Y = semidefinite(&mut rng, p, rank);
-            let bound = Certificate::new(&instance, pack(&Y)).log_bound;
+        for rank in 1..=8 {
+            let y = instance.orders().flat_map(|p| pack(&semidefinite(&mut rng, p, rank))).collect();
+            let mixture = (0..3).map(|_| rng.gen_range(0.0..1.0)).collect();
+            let prices = if case.constraints.caps.is_empty() { vec![] } else { vec![(0, rng.gen_range(0.0..0.5))] };
+            let bound = Certificate::new(&instance, Gradient { y, mixture }, prices).log_bound;
             assert!(bound >= optimum, "seed {seed}, rank {rank}: {bound} < {optimum}");
         }
-        let nothing = Certificate::new(&instance, pack(&DMatrix::zeros(p, p)));
-        assert_eq!(nothing.log_bound, f64::INFINITY);
+        let nothing = Gradient { y: vec![0.0; instance.prior().len()], mixture: vec![1.0; 3] };
+        assert_eq!(Certificate::new(&instance, nothing, vec![]).log_bound, f64::INFINITY);
     }
 }
 
@@ -150,12 +288,14 @@ fn any_semidefinite_matrix_proves_a_bound() {
 fn the_bound_is_tight_where_there_is_no_choice() {
     for seed in 0..SEEDS {
         let case = Case::random(seed);
-        let n = case.candidates.len();
-        let instance = Instance::new(&case.candidates, case.prior.as_ref(), &case.function, n).unwrap();
+        let terms = case.terms();
+        let n = terms[0].candidates.len();
+        let instance = Instance::constrained(&terms, n, Constraints::default()).unwrap();
         let best = best(&instance, &RelaxationSettings::default(), seed).unwrap();
         assert_eq!(best.selected, (0..n).collect::<Vec<_>>());
         let slack = best.relaxation.certificate.log_bound - value(&instance, &best.selected);
-        assert!((0.0..=1e-9).contains(&slack), "seed {seed}: {slack:e}");
+        let tolerance = if instance.is_smooth() { 1e-9 } else { RelaxationSettings::KINK_TOLERANCE };
+        assert!((0.0..=tolerance).contains(&slack), "seed {seed}: {slack:e}");
     }
 }
 
@@ -201,7 +341,7 @@ fn undetermined_parameters_are_named() {
         let instance = Instance::new(&candidates, None, &function, 2).unwrap();
         for refused in [greedy(&instance).unwrap_err(), best(&instance, &RelaxationSettings::default(), 0).unwrap_err()]
         {
-            let SelectionError::Unobservable { count: 2, combination } = refused else { panic!("{refused:?}") };
+            let SelectionError::Unobservable { count: 2, combination, .. } = refused else { panic!("{refused:?}") };
             assert_eq!(combination.iter().filter(|c| c.abs() > 1e-9).count(), 1, "{combination:?}");
             assert_eq!(combination.iter().copied().fold(0.0, f64::max), 1.0);
         }
@@ -211,7 +351,7 @@ fn undetermined_parameters_are_named() {
         let blind = [along([1.0, 0.0, 0.0]), along([0.0, 1.0, 1.0]), along([1.0, 2.0, 2.0])];
         let candidates = InformationSet::from_matrices(3, &blind).unwrap();
         let refused = Instance::new(&candidates, None, &function, 3).unwrap_err();
-        let SelectionError::Unobservable { count: 3, combination } = refused else { panic!("{refused:?}") };
+        let SelectionError::Unobservable { count: 3, combination, .. } = refused else { panic!("{refused:?}") };
         assert!(combination[0].abs() < 1e-9 && (combination[1] + combination[2]).abs() < 1e-9, "{combination:?}");
         // What is known already may close the gap.
         let prior = along([0.0, 1.0, -1.0]);

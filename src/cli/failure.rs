@@ -7,8 +7,9 @@ use thiserror::Error;
 
 use crate::calibration::CalibrationError;
 use crate::formats::{FileReadError, ReadError, ReadFault};
-use crate::plan::{FileError, PlanError, SurveyError, VerifyError};
+use crate::plan::{ConstraintError, FileError, PlanError, SurveyError, VerifyError};
 use crate::problem::ProblemError;
+use crate::selection::SelectionError;
 
 /// Anything a command can fail with.
 #[derive(Debug, Error, Diagnostic)]
@@ -83,6 +84,25 @@ fn plan_help(error: &PlanError) -> &'static str {
         PlanError::Covariance => {
             "the views taken leave a combination all but open; take more of the plan's poses first"
         }
+        PlanError::Constraints(ConstraintError::NotAView { .. }) => {
+            "take ids of plan.json or of the candidates' table (`--candidates csv`), made with the same [sweep] and [visibility]"
+        }
+        PlanError::Constraints(ConstraintError::KeptOut { .. }) => {
+            "take the pose out of `constraints.require`, or narrow the region"
+        }
+        PlanError::Constraints(ConstraintError::CapturedUnseen { .. }) => {
+            "correct the joint values in `constraints.captured`, or leave the view out"
+        }
+        PlanError::Inaccurate { .. } => {
+            "wish for less, sweep with a finer step, loosen [visibility] or [constraints], or lower the noise"
+        }
+        PlanError::Selection(
+            SelectionError::DeadEnd { .. }
+            | SelectionError::Allowed { .. }
+            | SelectionError::RequiredAndForbidden { .. }
+            | SelectionError::RequiredAboveCap { .. }
+            | SelectionError::RequiredTooClose { .. },
+        ) => "loosen [constraints], or ask for another number of poses",
         PlanError::Selection(_) | PlanError::Clustering(_) => "this is probably a bug; please report it",
     }
 }

@@ -11,6 +11,7 @@ mod plan;
 mod planned;
 mod problem;
 mod screen;
+mod searching;
 mod sweep;
 mod verify;
 
@@ -85,7 +86,7 @@ enum Command {
 struct Overrides {
     /// Problem file
     file: PathBuf,
-    /// What to optimise [default: the file's]
+    /// What to optimise, in place of the file's criterion or accuracy
     #[arg(long, value_parser = by_name(&Criterion::ALL, Criterion::name))]
     criterion: Option<Criterion>,
     /// Seed of everything random [default: the file's]
@@ -97,7 +98,10 @@ impl Overrides {
     fn problem(&self) -> Result<Problem, Failure> {
         let mut problem = Problem::read(&self.file)?;
         let selection = &mut problem.selection;
-        selection.criterion = self.criterion.unwrap_or(selection.criterion);
+        if let Some(criterion) = self.criterion {
+            selection.criteria = vec![(criterion, 1.0)];
+            selection.accuracies.clear();
+        }
         selection.seed = self.seed.unwrap_or(selection.seed);
         Ok(problem)
     }
@@ -126,7 +130,11 @@ static WRITING: Mutex<()> = Mutex::new(());
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
     // An interrupt ends the process between files, never within a group that belongs together.
+    // A search ends first, with the best it has.
     let handler = ctrlc::set_handler(|| {
+        if searching::interrupt() {
+            return;
+        }
         let _writing = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
         std::process::exit(130);
     });

@@ -8,9 +8,10 @@ use serde_json::json;
 
 use super::failure::Failure;
 use super::screen::{Screen, grouped, short, table};
+use super::searching::searching;
 use super::{Overrides, TableFormat, WRITING, method, trials, verify as verify_command};
 use crate::plan::{
-    Chooser, Plan, PlanError, PlannedPose, Survey, candidates_csv, candidates_parquet, compare, survey, verify,
+    Chooser, Plan, PlannedPose, Survey, candidates_csv, candidates_parquet, compare, make, survey, verify,
     write_together,
 };
 use crate::problem::Problem;
@@ -63,11 +64,10 @@ pub(super) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<(), 
     let survey = surveyed?;
     let survey_time = start.elapsed();
 
-    let bar = screen.progress("selecting", 1);
-    let chooser = Chooser::new(&problem, &survey);
-    let made = make(&problem, &survey, &chooser);
-    bar.finish_and_clear();
-    let plan = made?;
+    let chooser = Chooser::new(&problem, &survey)?;
+    let made = searching(screen, &problem, |observe| make(&problem, chooser, observe));
+    let (made, chooser) = made?;
+    let plan = Plan::new(&problem, &chooser, &made)?;
     let selection_time = start.elapsed().saturating_sub(survey_time);
 
     let bar = screen.progress("verifying", arguments.trials);
@@ -108,19 +108,6 @@ pub(super) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<(), 
         names.join(", "),
         start.elapsed().as_secs_f64(),
     ))
-}
-
-/// Chooses as the problem asks, and certifies.
-fn make(problem: &Problem, survey: &Survey, chooser: &Chooser) -> Result<Plan, PlanError> {
-    let settings = &problem.selection;
-    let (choice, certificate) = if settings.method == Method::Best {
-        chooser.best(settings.count, settings.seed)?
-    } else {
-        let choice = chooser.choose(settings.method, settings.count, settings.seed)?;
-        chooser.require_observable(&choice)?;
-        (choice, chooser.certificate(settings.count)?)
-    };
-    Ok(Plan::new(problem, survey, chooser, &choice, &certificate))
 }
 
 /// The plan's simulated calibrations, unless none were asked for.

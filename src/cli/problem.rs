@@ -79,7 +79,7 @@ pub(super) fn check(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
         grouped(pilot.len()),
         selection.count,
         selection.method.name(),
-        selection.criterion.name(),
+        selection.criterion(),
         problem.estimated_names().join(" "),
         problem.output.display(),
         short(seconds),

@@ -53,6 +53,17 @@ impl Screen {
         bar
     }
 
+    /// A line for work of unknown length; drawn on stderr only when that is a terminal.
+    pub(super) fn spinner(&self, what: &'static str) -> ProgressBar {
+        let target = if self.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+        let bar = ProgressBar::with_draw_target(None, target);
+        if let Ok(style) = ProgressStyle::with_template("{prefix:>12} {spinner} {elapsed} {msg}") {
+            bar.set_style(style);
+        }
+        bar.set_prefix(what);
+        bar
+    }
+
     pub(super) fn fail(failure: &Failure) {
         let theme = if std::io::IsTerminal::is_terminal(&std::io::stderr()) && std::env::var_os("NO_COLOR").is_none() {
             GraphicalTheme::unicode()

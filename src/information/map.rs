@@ -23,6 +23,14 @@ pub fn map_error_weight(camera: &Camera, estimated: &[usize]) -> DMatrix<f64> {
     J_perpendicular.transpose() * J_perpendicular / points.max(1) as f64
 }
 
+/// The unit of each of the `estimated` intrinsics in which they are alike: the change of it alone that moves the image of
+/// fixed viewing directions by 1 px RMS over the same grid of image points.
+pub fn pixel_units(camera: &Camera, estimated: &[usize]) -> Vec<f64> {
+    let (J, _) = on_grid(camera, estimated);
+    let points = (J.nrows() / 2).max(1) as f64;
+    J.column_iter().map(|column| (column.norm_squared() / points).sqrt().recip()).collect()
+}
+
 /// The map error at each of `pixels`: the expected RMS distance in px by which an error of `covariance` (p×p, of the
 /// `estimated` intrinsics) moves the projection of the direction seen there, or none where the lens does not reach.
 ///

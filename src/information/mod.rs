@@ -1,12 +1,16 @@
 //! What a view teaches about the camera's intrinsics.
 
 mod criterion;
+mod diversity;
 mod map;
 pub mod packed;
 mod set;
 mod view;
+mod zhang;
 
 pub use criterion::Criterion;
-pub use map::{map_error_at, map_error_weight};
+pub use diversity::diversity_set;
+pub use map::{map_error_at, map_error_weight, pixel_units};
 pub use set::{InformationError, InformationSet};
 pub use view::Measurement;
+pub use zhang::ZHANG_DIRECTIONS;

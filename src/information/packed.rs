@@ -69,6 +69,18 @@ pub fn solve_lower(l: &[f64], p: usize, x: &mut [f64]) {
     }
 }
 
+/// `x ← L⁻ᵀ x`.
+pub fn solve_lower_transposed(l: &[f64], p: usize, x: &mut [f64]) {
+    for i in (0..p).rev() {
+        let row = &l[packed_len(i)..=packed_len(i) + i];
+        x[i] /= row[i];
+        let known = x[i];
+        for (x, entry) in x[..i].iter_mut().zip(row) {
+            *x -= entry * known;
+        }
+    }
+}
+
 /// `C ← L⁻¹ C L⁻ᵀ` for packed symmetric `c`: M in the coordinates in which `L Lᵀ` is the identity.
 pub fn whiten(l: &[f64], p: usize, c: &mut [f64]) {
     // Row by row, X = L⁻¹ C restricted to its lower triangle and then X L⁻ᵀ, as in LAPACK's sygs2.

@@ -90,6 +90,26 @@ impl InformationSet {
         Ok(Self { order, table })
     }
 
+    /// As [`InformationSet::from_packed`] for a table whose shape and matrices are right by construction.
+    pub(super) fn from_packed_trusted(order: usize, table: Vec<f64>) -> Self {
+        debug_assert!(order > 0 && table.len().is_multiple_of(packed_len(order)));
+        Self { order, table }
+    }
+
+    /// The set of `D M_i D`, D = diag(`scale`): the matrices for parameters in units of `scale`.
+    #[must_use]
+    pub fn scaled(&self, scale: &[f64]) -> Self {
+        let factors: Vec<f64> =
+            (0..self.order).flat_map(|i| (0..=i).map(move |j| (i, j))).map(|(i, j)| scale[i] * scale[j]).collect();
+        let mut table = self.table.clone();
+        for row in table.chunks_exact_mut(factors.len()) {
+            for (entry, factor) in row.iter_mut().zip(&factors) {
+                *entry *= factor;
+            }
+        }
+        Self { order: self.order, table }
+    }
+
     /// A set of p×p matrices, all of the order `order`.
     ///
     /// # Errors

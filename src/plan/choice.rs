@@ -1,15 +1,20 @@
 //! Choosing poses from a survey by any method, with the certificate that goes with the choice.
 
+use std::ops::ControlFlow;
+
 use nalgebra::DMatrix;
 use thiserror::Error;
 
+use super::allowed::{ConstraintError, constraints, known};
+use super::objective::Objective;
 use super::survey::{Survey, SurveyError};
 use crate::information::Criterion;
-use crate::information::packed::unpack;
-use crate::problem::{Problem, SelectionSettings};
+use crate::information::packed::{pack, packed_len, unpack};
+use crate::problem::{Accuracy, Problem};
 use crate::selection::{
-    Best, Certificate, ClusteringError, InformationFunction, Instance, Method, RelaxationSettings, SelectionError,
-    best, exchange, greedy, kmeans, random, relax,
+    Best, Certificate, ClusteringError, Constraints, Fewest, InformationFunction, Instance, Method, NotEnough,
+    RelaxationSettings, Search, SearchProgress, SelectionError, best, exchange, fewest, greedy, kmeans, random, relax,
+    search,
 };
 
 /// Why a problem has no plan.
@@ -31,8 +36,21 @@ pub enum PlanError {
     Unobservable {
         /// Poses tried.
         count: usize,
-        /// Names of the intrinsics and their coefficients in the combination, largest 1.
-        combination: Vec<(&'static str, f64)>,
+        /// Names of the parameters and their coefficients in the combination, largest 1.
+        combination: Vec<(String, f64)>,
+    },
+    /// The constraints cannot be held.
+    #[error(transparent)]
+    Constraints(#[from] ConstraintError),
+    /// The accuracies are out of reach.
+    #[error("not even {count} poses reach the accuracy wished for: {}", describe_shortfalls(shortfalls))]
+    Inaccurate {
+        /// The most poses that may be chosen.
+        count: usize,
+        /// Of each accuracy that is missed its name, what the best set found reaches, and what is wished.
+        shortfalls: Vec<(String, f64, f64)>,
+        /// Share of the accuracy that no set of so many surpasses; below 1 it is proven that none suffices.
+        bound: f64,
     },
     /// What is known already is not positive definite.
     #[error("the covariance of the calibration is not positive definite to working precision")]
@@ -45,7 +63,7 @@ pub enum PlanError {
     Clustering(#[from] ClusteringError),
 }
 
-fn describe(combination: &[(&str, f64)]) -> String {
+fn describe(combination: &[(String, f64)]) -> String {
     let mut terms: Vec<_> = combination.iter().filter(|(_, c)| c.abs() > 1e-3).collect();
     terms.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
     let mut text = String::new();
@@ -61,14 +79,20 @@ fn describe(combination: &[(&str, f64)]) -> String {
     text
 }
 
+fn describe_shortfalls(shortfalls: &[(String, f64, f64)]) -> String {
+    let each =
+        shortfalls.iter().map(|(name, reached, wished)| format!("{name} is {reached:.4} where {wished} is wished"));
+    each.collect::<Vec<_>>().join(", ")
+}
+
 /// Chooses from one survey.
 pub struct Chooser<'a> {
+    problem: &'a Problem,
     survey: &'a Survey,
-    criterion: Criterion,
-    names: Vec<&'static str>,
-    function: InformationFunction,
-    map_error: InformationFunction,
+    objective: Objective<'a>,
+    constraints: Constraints,
     settings: RelaxationSettings,
+    map_error: InformationFunction,
     /// p×p information already at hand.
     prior: DMatrix<f64>,
 }
@@ -87,31 +111,88 @@ pub struct Choice {
 }
 
 impl<'a> Chooser<'a> {
-    /// A chooser for the problem that was surveyed.
-    pub fn new(problem: &Problem, survey: &'a Survey) -> Self {
-        let SelectionSettings { criterion, tolerance, .. } = problem.selection;
-        let prior = DMatrix::zeros(problem.estimated.len(), problem.estimated.len());
-        let map_error = InformationFunction::variance(&survey.map_weight);
-        let function = match criterion {
-            Criterion::D => InformationFunction::Determinant,
-            Criterion::V => map_error.clone(),
-        };
-        let settings = RelaxationSettings { tolerance, ..RelaxationSettings::default() };
-        Self { survey, criterion, names: problem.estimated_names(), function, map_error, settings, prior }
+    /// A chooser for the problem that was surveyed, by its criteria and within its constraints.
+    ///
+    /// # Errors
+    /// When the constraints cannot be held, or a view does not give what a criterion needs.
+    pub fn new(problem: &'a Problem, survey: &'a Survey) -> Result<Self, PlanError> {
+        Self::with(problem, survey, &problem.selection.criteria, known(problem)?)
     }
 
-    /// The same chooser when `prior` is known already: the p×p information of the views taken, say.
-    #[must_use]
-    pub fn with_prior(self, prior: DMatrix<f64>) -> Self {
-        Self { prior, ..self }
+    fn with(
+        problem: &'a Problem,
+        survey: &'a Survey,
+        criteria: &[(Criterion, f64)],
+        prior: DMatrix<f64>,
+    ) -> Result<Self, PlanError> {
+        Ok(Self {
+            problem,
+            survey,
+            objective: Objective::new(problem, survey, criteria, &prior)?,
+            constraints: constraints(problem, survey)?,
+            settings: RelaxationSettings { tolerance: problem.selection.tolerance, ..RelaxationSettings::default() },
+            map_error: InformationFunction::variance(&survey.map_weight),
+            prior,
+        })
     }
 
-    /// The value of the criterion in its own unit: `log det M` for `d`, the map error's variance in px² for `v`.
-    pub fn natural(&self, log_value: f64) -> f64 {
-        match self.criterion {
-            Criterion::D => log_value * self.names.len() as f64,
-            Criterion::V => (-log_value).exp(),
+    /// The same chooser by other criteria, each with its share.
+    ///
+    /// # Errors
+    /// As [`Chooser::new`].
+    pub fn by(&self, criteria: &[(Criterion, f64)]) -> Result<Self, PlanError> {
+        Self::with(self.problem, self.survey, criteria, self.prior.clone())
+    }
+
+    /// The same chooser when the p×p information `prior` on the intrinsics is known too: that of the views taken, say.
+    /// Criteria that are not of the intrinsics know nothing of it and are left out; if none remains, `v` takes their place.
+    ///
+    /// # Errors
+    /// As [`Chooser::new`].
+    pub fn with_prior(&self, prior: &DMatrix<f64>) -> Result<Self, PlanError> {
+        let criteria = self.problem.selection.criteria.iter().filter(|(criterion, _)| criterion.is_of_intrinsics());
+        let mut criteria: Vec<_> = criteria.copied().collect();
+        if criteria.is_empty() {
+            criteria.push((Criterion::V, 1.0));
         }
+        let sum: f64 = criteria.iter().map(|(_, share)| share).sum();
+        for (_, share) in &mut criteria {
+            *share /= sum;
+        }
+        Self::with(self.problem, self.survey, &criteria, &self.prior + prior)
+    }
+
+    /// The same chooser by the accuracies that the problem wishes for, instead of its criteria.
+    fn by_accuracies(&self) -> Self {
+        let accuracies = &self.problem.selection.accuracies;
+        Self {
+            problem: self.problem,
+            survey: self.survey,
+            objective: Objective::of_accuracies(self.problem, self.survey, accuracies, &self.prior),
+            constraints: self.constraints.clone(),
+            settings: self.settings,
+            map_error: self.map_error.clone(),
+            prior: self.prior.clone(),
+        }
+    }
+
+    /// What it optimises: `v`, or `0.8 v + 0.2 diversity`, or `accuracy`.
+    pub fn criterion(&self) -> String {
+        self.objective.to_string()
+    }
+
+    pub(super) fn objective(&self) -> &Objective<'a> {
+        &self.objective
+    }
+
+    pub(super) fn survey(&self) -> &'a Survey {
+        self.survey
+    }
+
+    /// The value of the criterion in its own unit: log det for `d` and `diversity`, a variance in px² for `a` and `v`, an
+    /// eigenvalue for `e` and `zhang`; of several criteria, or of accuracies, Φ itself.
+    pub fn natural(&self, log_value: f64) -> f64 {
+        self.objective.natural(log_value)
     }
 
     /// The certificate for choices of `count` poses, and the best choice found on the way to it.
@@ -124,6 +205,64 @@ impl<'a> Chooser<'a> {
         Ok((self.assess(selected), relaxation.certificate))
     }
 
+    /// As [`Chooser::best`], then branch and bound until the best choice is proven, the problem's node limit reached, or
+    /// `observe` breaks.
+    ///
+    /// # Errors
+    /// As [`Chooser::best`].
+    pub fn exact(
+        &self,
+        count: usize,
+        seed: u64,
+        observe: &mut dyn FnMut(&SearchProgress) -> ControlFlow<()>,
+    ) -> Result<(Choice, Certificate, Search), PlanError> {
+        let instance = self.instance(count)?;
+        let start = best(&instance, &self.settings, seed).map_err(|e| self.explain(e))?;
+        let found = search(&instance, &start, f64::NEG_INFINITY, self.problem.selection.node_limit, observe);
+        Ok((self.assess(found.selected.clone()), start.relaxation.certificate, found))
+    }
+
+    /// The fewest poses that reach the accuracies which the problem wishes for, and the chooser by accuracies that explains
+    /// the choice. `observe` as in [`Chooser::exact`].
+    ///
+    /// # Errors
+    /// When the accuracies are out of reach, and as [`Chooser::best`].
+    pub fn fewest(
+        &self,
+        seed: u64,
+        observe: &mut dyn FnMut(&SearchProgress) -> ControlFlow<()>,
+    ) -> Result<(Choice, Fewest, Self), PlanError> {
+        let chooser = self.by_accuracies();
+        let most = self.survey.views.len();
+        let instance = chooser.instance(most.min(self.constraints.required.len().max(1)))?;
+        let node_limit = self.problem.selection.node_limit;
+        let found = fewest(&instance, 0.0, most, &self.settings, seed, node_limit, observe);
+        let found = found.map_err(|error| match error {
+            NotEnough::Selection(error) => chooser.explain(error),
+            NotEnough::Never { count, selected, log_bound } => PlanError::Inaccurate {
+                count,
+                shortfalls: chooser.shortfalls(&chooser.assess(selected)),
+                // Φ is of variances, the accuracies of their roots.
+                bound: (0.5 * log_bound).exp(),
+            },
+        })?;
+        drop(instance);
+        Ok((chooser.assess(found.best.selected.clone()), found, chooser))
+    }
+
+    /// Accuracies wished for that a choice misses: name, reached, wished.
+    fn shortfalls(&self, choice: &Choice) -> Vec<(String, f64, f64)> {
+        let names = self.problem.estimated_names();
+        let reached = |&(accuracy, wished): &(Accuracy, f64)| match accuracy {
+            Accuracy::MapError => ("the map error in px".to_owned(), choice.map_error, wished),
+            Accuracy::Intrinsic(j) => {
+                (format!("sigma of {}", names[j]), choice.sigma.get(j).copied().unwrap_or(f64::INFINITY), wished)
+            }
+        };
+        let all = self.problem.selection.accuracies.iter().map(reached);
+        all.filter(|(_, reached, wished)| reached > wished).collect()
+    }
+
     /// A bound on every choice of `count` poses, without the effort of choosing the best.
     ///
     /// # Errors
@@ -132,12 +271,11 @@ impl<'a> Chooser<'a> {
         let instance = self.instance(count)?;
         let start = exchange(&instance, greedy(&instance).map_err(|e| self.explain(e))?);
         let relaxation = relax(&instance, &start, &self.settings);
-        relaxation
-            .map(|relaxation| relaxation.certificate)
-            .ok_or(PlanError::Unobservable { count, combination: vec![] })
+        let relaxation = relaxation.ok_or_else(|| self.explain(instance.unobservable(&start)))?;
+        Ok(relaxation.certificate)
     }
 
-    /// `count` poses chosen by `method`.
+    /// `count` poses chosen by `method`; [`Method::Exact`] as [`Method::Best`], for its search wants an observer.
     ///
     /// # Errors
     /// As [`Chooser::best`]; random and clustered choices may be singular, which is no error.
@@ -145,11 +283,14 @@ impl<'a> Chooser<'a> {
         let instance = self.instance(count)?;
         let greedy = || greedy(&instance).map_err(|e| self.explain(e));
         let selected = match method {
-            Method::Best => best(&instance, &self.settings, seed).map_err(|e| self.explain(e))?.selected,
+            Method::Best | Method::Exact => {
+                best(&instance, &self.settings, seed).map_err(|e| self.explain(e))?.selected
+            }
             Method::Relaxation => {
                 let start = exchange(&instance, greedy()?);
                 let relaxation = relax(&instance, &start, &self.settings);
-                relaxation.ok_or_else(|| self.explain(instance.unobservable(&start)))?.largest(count)
+                let relaxation = relaxation.ok_or_else(|| self.explain(instance.unobservable(&start)))?;
+                relaxation.rounded(&instance).unwrap_or(start)
             }
             Method::Exchange => exchange(&instance, greedy()?),
             Method::Greedy => greedy()?,
@@ -179,52 +320,54 @@ impl<'a> Chooser<'a> {
         Err(self.explain(instance.unobservable(&choice.selected)))
     }
 
-    /// Information of a choice, the prior included, p×p.
+    /// Information of a choice on the intrinsics, the prior included, p×p.
     pub fn information(&self, selected: &[usize]) -> DMatrix<f64> {
-        let p = self.names.len();
-        let nothing = vec![0.0; crate::information::packed::packed_len(p)];
-        &self.prior + unpack(&self.survey.information.total(&nothing, selected), p)
+        let p = self.prior.nrows();
+        &self.prior + unpack(&self.survey.information.total(&vec![0.0; packed_len(p)], selected), p)
     }
 
     /// Each chosen pose's share of the information at hand: `⟨∇log Φ(M), M_i⟩`; with the prior's, the shares add up to one.
-    pub fn shares(&self, selected: &[usize]) -> Vec<f64> {
-        let p = self.names.len();
-        let M = crate::information::packed::pack(&self.information(selected));
-        let Some(y) = self.function.gradient(&M, p) else { return vec![f64::NAN; selected.len()] };
-        let y = crate::information::packed::dual(y, p);
-        let share = |&i: &usize| self.survey.information.packed(i).iter().zip(&y).map(|(m, y)| m * y).sum();
-        selected.iter().map(share).collect()
+    ///
+    /// # Errors
+    /// As [`Chooser::best`].
+    pub fn shares(&self, selected: &[usize]) -> Result<Vec<f64>, PlanError> {
+        let instance = self.instance(selected.len())?;
+        Ok(match instance.gradient(&instance.total(selected)) {
+            Some(gradient) => instance.scores_of(&gradient.y, selected),
+            None => vec![f64::NAN; selected.len()],
+        })
     }
 
-    fn assess(&self, mut selected: Vec<usize>) -> Choice {
+    pub(super) fn assess(&self, mut selected: Vec<usize>) -> Choice {
         selected.sort_unstable();
-        let p = self.names.len();
+        let p = self.prior.nrows();
         let M = self.information(&selected);
-        let packed = crate::information::packed::pack(&M);
+        let packed = pack(&M);
         let sigma = match M.cholesky() {
             Some(factor) => factor.inverse().diagonal().iter().map(|variance| variance.sqrt()).collect(),
             None => vec![],
         };
         Choice {
-            log_value: self.function.log_value(&mut packed.clone(), p),
+            log_value: self.objective.log_value(&selected),
             map_error: (-0.5 * self.map_error.log_value(&mut packed.clone(), p)).exp(),
             sigma,
             selected,
         }
     }
 
-    fn instance(&self, count: usize) -> Result<Instance<'_>, PlanError> {
+    pub(super) fn instance(&self, count: usize) -> Result<Instance<'_>, PlanError> {
         let views = self.survey.views.len();
         if count > views {
             return Err(PlanError::TooFewViews { count, views });
         }
-        Instance::new(&self.survey.information, Some(&self.prior), &self.function, count).map_err(|e| self.explain(e))
+        self.objective.instance(count, self.constraints.clone()).map_err(|e| self.explain(e))
     }
 
-    fn explain(&self, error: SelectionError) -> PlanError {
+    pub(super) fn explain(&self, error: SelectionError) -> PlanError {
         match error {
-            SelectionError::Unobservable { count, combination } => {
-                PlanError::Unobservable { count, combination: self.names.iter().copied().zip(combination).collect() }
+            SelectionError::Unobservable { count, term, combination } => {
+                let names = self.objective.parameters(term).iter().cloned();
+                PlanError::Unobservable { count, combination: names.zip(combination).collect() }
             }
             other => PlanError::Selection(other),
         }

@@ -1,22 +1,23 @@
 //! The plan as it is written: `plan.json` and `plan.csv`.
 
-use nalgebra::{DMatrix, Point3};
+use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::choice::{Choice, Chooser};
-use super::survey::Survey;
+use super::choice::{Choice, Chooser, PlanError};
+use super::make::Made;
 use crate::feasibility::{Rejection, View};
-use crate::information::packed::unpack;
-use crate::problem::Problem;
+use crate::information::Criterion;
+use crate::information::packed::{packed_len, unpack};
+use crate::problem::{Accuracy, Problem};
 use crate::robot::JointKind;
-use crate::selection::Certificate;
+use crate::selection::{Certificate, SearchEnd};
 
 /// Value of the key `format`.
 pub const PLAN_FORMAT: &str = "calipose.plan";
 
 /// Value of the key `version`; rises when a reader of the older version would misread the file.
-pub const PLAN_VERSION: u32 = 1;
+pub const PLAN_VERSION: u32 = 2;
 
 /// A calibration plan, key by key as in `plan.json`. SI units, angles in rad unless the key says otherwise.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -29,7 +30,8 @@ pub struct Plan {
     pub calipose: String,
     /// The problem it answers.
     pub problem: ProblemReference,
-    /// Name of the criterion.
+    /// Name of the criterion; of several with their shares, `0.8 v + 0.2 diversity`; `accuracy` where accuracies were wished
+    /// for.
     pub criterion: String,
     /// Name of the method.
     pub method: String,
@@ -37,9 +39,10 @@ pub struct Plan {
     pub count: usize,
     /// Seed of everything random.
     pub seed: u64,
-    /// The criterion's value: log det M for `d`, the map error's variance in px² for `v`.
+    /// The criterion's value: log det for `d` and `diversity`, a variance in px² for `a` and `v`, an eigenvalue for `e` and
+    /// `zhang`, the weighted geometric mean Φ of several; for accuracies the least of (wished / reached)².
     pub value: f64,
-    /// What no k of the candidates can surpass: an upper bound for `d`, a lower bound for `v`.
+    /// What no k of the candidates can surpass: a lower bound for `a` and `v`, an upper bound for the others.
     pub bound: f64,
     /// Certified efficiency: the share of the best possible information that the plan has at least.
     pub efficiency: f64,
@@ -49,8 +52,14 @@ pub struct Plan {
     pub intrinsics: Intrinsics,
     /// Predicted RMS error of the calibrated projection over the image, in px.
     pub map_error_px: f64,
-    /// The proof of the bound.
+    /// The proof of the bound; where a search followed, of the bound that it started from.
     pub certificate: CertificateDocument,
+    /// How the search for the proven best set went, if there was one.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub search: Option<SearchDocument>,
+    /// Why no fewer poses suffice, if accuracies were wished for.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub fewest: Option<FewestDocument>,
     /// Names of the joints, in the order of the poses' joint values.
     pub joints: Vec<String>,
     /// The poses, by ascending id.
@@ -112,11 +121,76 @@ pub struct Intrinsics {
     pub sigma: Vec<f64>,
 }
 
-/// The matrix that proves the bound.
+/// The numbers that prove a bound: scores `Σ_t ⟨Y_t, M_ti⟩` less the prices of the caps, see the book's page "The method".
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CertificateDocument {
-    /// Y, p×p, positive semidefinite, row by row.
+    /// The bound that they prove, as [`Plan::bound`].
+    pub bound: f64,
+    /// One term per criterion.
+    pub terms: Vec<CertificateTerm>,
+    /// For accuracies, the mixture λ of the names' variances that the bound is taken for.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub mixture: Vec<f64>,
+    /// Prices of the constraints' groups that bind: first those of the file in its order, then the cells of the separations.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub prices: Vec<Price>,
+}
+
+/// A criterion's part of a certificate.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CertificateTerm {
+    /// Name of the criterion.
+    pub criterion: String,
+    /// Its share.
+    pub share: f64,
+    /// Y, p×p, positive semidefinite, row by row; the share is in it.
     pub matrix: Vec<Vec<f64>>,
+}
+
+/// The price of a group.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Price {
+    /// Number of the group, from 0.
+    pub group: usize,
+    /// Its price, at least 0.
+    pub price: f64,
+}
+
+/// How the search for the proven best set went.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SearchDocument {
+    /// "optimal", or what ended it before.
+    pub end: String,
+    /// Parts of the search space that were bounded.
+    pub nodes: usize,
+    /// Candidates left after those that no better set can hold.
+    pub candidates: usize,
+}
+
+/// Why no fewer poses suffice.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FewestDocument {
+    /// What was wished for, and what the plan reaches.
+    pub accuracies: Vec<AccuracyDocument>,
+    /// Fewer poses than this are proven not to suffice; as many as the plan has if the proof is complete.
+    pub least: usize,
+    /// The proof that `least - 1` do not suffice: its bound on the least of (wished / reached)² is below 1. Where a search
+    /// was needed, the bound that it started from.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub refutation: Option<CertificateDocument>,
+    /// Parts of the search space that were bounded for it; 0 if the refutation stands alone.
+    pub nodes: usize,
+}
+
+/// An accuracy, wished for and reached, as standard deviations.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AccuracyDocument {
+    /// `map_error_px` or the name of an intrinsic.
+    pub name: String,
+    /// What was wished for.
+    pub wished: f64,
+    /// What the plan reaches.
+    pub reached: f64,
 }
 
 /// One pose of a plan.
@@ -159,31 +233,47 @@ impl Pose {
 }
 
 impl Plan {
-    /// The plan of a choice and its certificate.
-    pub fn new(
-        problem: &Problem,
-        survey: &Survey,
-        chooser: &Chooser,
-        choice: &Choice,
-        certificate: &Certificate,
-    ) -> Self {
+    /// The plan of what was made by `chooser`.
+    ///
+    /// # Errors
+    /// When the choice is not the chooser's.
+    pub fn new(problem: &Problem, chooser: &Chooser, made: &Made) -> Result<Self, PlanError> {
         let settings = &problem.selection;
+        let survey = chooser.survey();
+        let choice = &made.choice;
         let names = problem.estimated_names();
-        let Y: DMatrix<f64> = unpack(&certificate.y, names.len());
-        let shares = chooser.shares(&choice.selected);
+        let shares = chooser.shares(&choice.selected)?;
         let poses = choice.selected.iter().zip(shares);
-        Self {
+        let document = |certificate| CertificateDocument::new(chooser, certificate);
+        let search = made.search.map(|search| SearchDocument {
+            end: match search.end {
+                SearchEnd::Optimal => "optimal",
+                SearchEnd::NodeLimit => "node limit",
+                SearchEnd::Stopped => "stopped",
+                SearchEnd::Undecided => "undecided",
+            }
+            .into(),
+            nodes: search.nodes,
+            candidates: search.open_at_root,
+        });
+        let fewest = made.fewest.as_ref().map(|proof| FewestDocument {
+            accuracies: accuracies(problem, choice),
+            least: proof.least,
+            refutation: proof.refutation.as_ref().map(|refutation| document(&refutation.certificate)),
+            nodes: proof.refutation.as_ref().map_or(0, |refutation| refutation.nodes),
+        });
+        Ok(Self {
             format: PLAN_FORMAT.into(),
             version: PLAN_VERSION,
             calipose: env!("CARGO_PKG_VERSION").into(),
             problem: ProblemReference { name: problem.name.clone(), sha256: problem.sha256.clone() },
-            criterion: settings.criterion.name().into(),
+            criterion: chooser.criterion(),
             method: settings.method.name().into(),
             count: choice.selected.len(),
             seed: settings.seed,
             value: chooser.natural(choice.log_value),
-            bound: chooser.natural(certificate.log_bound),
-            efficiency: certificate.efficiency(choice.log_value),
+            bound: chooser.natural(made.log_bound),
+            efficiency: (choice.log_value - made.log_bound).exp(),
             candidates: Candidates {
                 swept: survey.sweep.swept,
                 axis_inside: survey.sweep.inside,
@@ -197,12 +287,12 @@ impl Plan {
                 sigma: choice.sigma.clone(),
             },
             map_error_px: choice.map_error,
-            certificate: CertificateDocument {
-                matrix: Y.row_iter().map(|row| row.iter().copied().collect()).collect(),
-            },
+            certificate: document(&made.certificate),
+            search,
+            fewest,
             joints: problem.robot.chain.joints.iter().map(|joint| joint.name.clone()).collect(),
             poses: poses.map(|(&i, share)| PlannedPose::new(problem, &survey.views[i], share)).collect(),
-        }
+        })
     }
 
     /// The plan that `text`, the content of a `plan.json`, holds.
@@ -246,6 +336,42 @@ impl Plan {
         }
         writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))
     }
+}
+
+impl CertificateDocument {
+    fn new(chooser: &Chooser, certificate: &Certificate) -> Self {
+        let mut rest = certificate.y.as_slice();
+        let terms = chooser.objective().criteria().map(|(criterion, share, p)| {
+            let (own, others) = rest.split_at(packed_len(p));
+            rest = others;
+            CertificateTerm {
+                criterion: criterion.map_or("accuracy", Criterion::name).into(),
+                share,
+                matrix: unpack(own, p).row_iter().map(|row| row.iter().copied().collect()).collect(),
+            }
+        });
+        Self {
+            bound: chooser.natural(certificate.log_bound),
+            terms: terms.collect(),
+            mixture: certificate.mixture.clone(),
+            prices: certificate.prices.iter().map(|&(group, price)| Price { group, price }).collect(),
+        }
+    }
+}
+
+/// What was wished for, and what the choice reaches.
+fn accuracies(problem: &Problem, choice: &Choice) -> Vec<AccuracyDocument> {
+    let names = problem.estimated_names();
+    let wishes = problem.selection.accuracies.iter();
+    wishes
+        .map(|&(accuracy, wished)| match accuracy {
+            Accuracy::MapError => AccuracyDocument { name: "map_error_px".into(), wished, reached: choice.map_error },
+            Accuracy::Intrinsic(j) => {
+                let reached = choice.sigma.get(j).copied().unwrap_or(f64::INFINITY);
+                AccuracyDocument { name: names[j].into(), wished, reached }
+            }
+        })
+        .collect()
 }
 
 impl PlannedPose {

@@ -1,22 +1,27 @@
 //! From a problem to a plan: the pipeline, and the plan as it is written.
 
+mod allowed;
 mod candidates;
 mod choice;
 mod comparison;
 mod document;
 mod files;
+mod make;
 mod next;
+mod objective;
 mod survey;
 mod verify;
 
+pub use allowed::ConstraintError;
 pub use candidates::{candidates_csv, candidates_parquet};
 pub use choice::{Choice, Chooser, PlanError};
 pub use comparison::{Comparison, Equivalent, Row, compare, equivalent_kmeans};
 pub use document::{
-    Candidates, CertificateDocument, Intrinsics, PLAN_FORMAT, PLAN_VERSION, Plan, PlanReadError, PlannedPose, Pose,
-    ProblemReference,
+    AccuracyDocument, Candidates, CertificateDocument, CertificateTerm, FewestDocument, Intrinsics, PLAN_FORMAT,
+    PLAN_VERSION, Plan, PlanReadError, PlannedPose, Pose, Price, ProblemReference, SearchDocument,
 };
 pub use files::{FileError, write_atomically, write_together};
+pub use make::{FewestProof, Made, SearchSummary, make};
 pub use next::{Proposal, Wish, next};
 pub use survey::{Survey, SurveyError, survey};
 pub use verify::{VerifyError, verify};

@@ -49,7 +49,7 @@ pub fn next(
     let survey = survey(&problem, observe)?;
     let known = (&survey.map_weight * &calibration.covariance).trace().sqrt();
     let prior = calibration.covariance.clone().cholesky().ok_or(PlanError::Covariance)?.inverse();
-    let chooser = Chooser::new(&problem, &survey).with_prior(prior);
+    let chooser = Chooser::new(&problem, &survey)?.with_prior(&prior)?;
     let (counts, goal) = match wish {
         Wish::Count(count) => (count..=count, f64::INFINITY),
         Wish::Accuracy { map_error, .. } if known <= map_error => {
@@ -60,7 +60,7 @@ pub fn next(
     let mut proposal = Proposal { known, expected: known, fulfilled: false, poses: vec![] };
     for count in counts {
         let choice = chooser.choose(Method::Exchange, count, problem.selection.seed)?;
-        let shares = chooser.shares(&choice.selected);
+        let shares = chooser.shares(&choice.selected)?;
         let poses = choice.selected.iter().zip(shares);
         proposal = Proposal {
             known,

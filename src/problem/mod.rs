@@ -20,6 +20,7 @@ pub use json_schema::schema_json;
 pub use step::StepError;
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use miette::NamedSource;
 use sha2::{Digest, Sha256};
@@ -27,7 +28,7 @@ use sha2::{Digest, Sha256};
 use crate::camera::Camera;
 use crate::feasibility::VisibilityLimits;
 use crate::information::Criterion;
-use crate::robot::Robot;
+use crate::robot::{Limits, Robot};
 use crate::selection::Method;
 use crate::sweep::{AxisRule, JointSpace};
 use crate::target::Target;
@@ -60,8 +61,12 @@ pub struct Problem {
     pub noise: f64,
     /// The intrinsics to estimate: indices into the camera's, ascending.
     pub estimated: Vec<usize>,
+    /// Standard deviations known beforehand, of estimated intrinsics by index among them.
+    pub prior_sigma: Vec<(usize, f64)>,
     /// What to select.
     pub selection: SelectionSettings,
+    /// Which sets of poses are allowed.
+    pub constraints: PoseConstraints,
     /// Folder for the plan, relative to the working directory.
     pub output: PathBuf,
 }
@@ -80,8 +85,10 @@ pub struct PublishedSweep {
 /// What to select, and how.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SelectionSettings {
-    /// What to optimise.
-    pub criterion: Criterion,
+    /// What to optimise: the weighted geometric mean of these criteria; the shares add up to one.
+    pub criteria: Vec<(Criterion, f64)>,
+    /// Accuracies to reach with as few poses as possible, instead of the criteria and the count; none if empty.
+    pub accuracies: Vec<(Accuracy, f64)>,
     /// How.
     pub method: Method,
     /// Number of poses.
@@ -90,6 +97,77 @@ pub struct SelectionSettings {
     pub seed: u64,
     /// Relative gap at which the relaxation stops.
     pub tolerance: f64,
+    /// Time after which a search for the proven best set ends.
+    pub time_limit: Duration,
+    /// Nodes after which it does.
+    pub node_limit: usize,
+}
+
+impl SelectionSettings {
+    /// What is optimised: `v`, or `0.8 v + 0.2 diversity`, or `accuracy`.
+    pub fn criterion(&self) -> String {
+        if self.accuracies.is_empty() { Criterion::describe(&self.criteria) } else { "accuracy".into() }
+    }
+}
+
+/// Something whose standard deviation can be wished for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Accuracy {
+    /// The RMS map error, px.
+    MapError,
+    /// An intrinsic, in its own unit: index among the estimated.
+    Intrinsic(usize),
+}
+
+/// Which sets of poses are allowed.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PoseConstraints {
+    /// Numbers of swept configurations that must be in the plan.
+    pub required: Vec<usize>,
+    /// Numbers of those that must not.
+    pub forbidden: Vec<usize>,
+    /// Joint values, rad or m, of views taken already.
+    pub captured: Vec<Vec<f64>>,
+    /// Regions without poses.
+    pub keep_out: Vec<JointRegion>,
+    /// Regions with few poses.
+    pub groups: Vec<PoseGroup>,
+    /// Least distance of two poses in joint space, rad; only revolute joints count.
+    pub joint_separation: f64,
+    /// Least angle between the directions from which two poses see the board's centre, rad.
+    pub view_separation: f64,
+}
+
+impl PoseConstraints {
+    /// Whether any set of the candidates is allowed.
+    pub fn allow_all(&self) -> bool {
+        let Self { required, forbidden, keep_out, groups, joint_separation, view_separation, captured: _ } = self;
+        let none = required.is_empty() && forbidden.is_empty() && keep_out.is_empty() && groups.is_empty();
+        none && *joint_separation == 0.0 && *view_separation == 0.0
+    }
+}
+
+/// A region of joint space: ranges of some joints, by index.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointRegion(pub Vec<(usize, Limits)>);
+
+impl JointRegion {
+    /// Whether the configuration is in the region, ends included.
+    pub fn contains(&self, q: &[f64]) -> bool {
+        // A grid's own values are rounded.
+        self.0.iter().all(|(joint, limits)| (limits.min - 1e-9..=limits.max + 1e-9).contains(&q[*joint]))
+    }
+}
+
+/// A region with at most so many poses.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PoseGroup {
+    /// Its name.
+    pub name: String,
+    /// Where it is.
+    pub region: JointRegion,
+    /// Most poses in it.
+    pub most: usize,
 }
 
 /// Most configurations that a sweep may have. One that keeps all of them as candidates holds them all in memory; one

@@ -34,14 +34,10 @@ pub fn best(instance: &Instance, settings: &RelaxationSettings, seed: u64) -> Re
     let mut rng = Xoshiro256Plus::seed_from_u64(seed);
     let mut tried = vec![best.selected.clone()];
     for round in 0..=ROUNDINGS {
-        let rounded = if round == 0 {
-            best.relaxation.largest(instance.count())
-        } else {
-            round_at_random(&best.relaxation, instance.count(), &mut rng)
-        };
-        if tried.contains(&rounded) || rounded.len() < instance.count() {
+        let order = if round == 0 { best.relaxation.by_weight() } else { best.relaxation.drawn_by_weight(&mut rng) };
+        let Some(rounded) = first_allowed(instance, &order).filter(|rounded| !tried.contains(rounded)) else {
             continue;
-        }
+        };
         tried.push(rounded.clone());
         let selected = exchange(instance, rounded);
         let log_value = instance.log_value(&instance.total(&selected));
@@ -53,30 +49,46 @@ pub fn best(instance: &Instance, settings: &RelaxationSettings, seed: u64) -> Re
     Ok(best)
 }
 
-/// `count` candidates drawn without replacement, the chance of each following its weight: every candidate of weight one
-/// and, by Efraimidis and Spirakis' keys, a weighted sample of the rest. Ascending.
-fn round_at_random(relaxation: &Relaxation, count: usize, rng: &mut impl Rng) -> Vec<usize> {
-    let mut keyed: Vec<(f64, usize)> = relaxation
-        .weights
-        .iter()
-        .map(|&(i, weight)| {
-            let draw: f64 = rng.gen_range(f64::MIN_POSITIVE..1.0);
-            (if weight > 1.0 - 1e-6 { 0.0 } else { draw.ln() / weight }, i)
-        })
-        .collect();
-    keyed.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-    let mut selected: Vec<usize> = keyed.into_iter().take(count).map(|(_, i)| i).collect();
+/// The first candidates in `order` that the constraints allow beside those before them, as many as asked for, ascending;
+/// `None` if there are too few.
+pub(super) fn first_allowed(instance: &Instance, order: &[usize]) -> Option<Vec<usize>> {
+    let rules = instance.rules();
+    let mut selected = instance.required().to_vec();
+    for &i in order {
+        if selected.len() == instance.count() {
+            break;
+        }
+        if instance.is_open(i) && rules.allows(&selected, None, i) {
+            selected.push(i);
+        }
+    }
     selected.sort_unstable();
-    selected
+    (selected.len() == instance.count()).then_some(selected)
 }
 
 impl Relaxation {
-    /// The `count` candidates of largest weight, ascending.
-    pub fn largest(&self, count: usize) -> Vec<usize> {
+    /// The candidates of positive weight, the greatest first.
+    pub(super) fn by_weight(&self) -> Vec<usize> {
         let mut order = self.weights.clone();
         order.sort_unstable_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-        let mut selected: Vec<usize> = order.into_iter().take(count).map(|(i, _)| i).collect();
-        selected.sort_unstable();
-        selected
+        order.into_iter().map(|(i, _)| i).collect()
+    }
+
+    /// The candidates of positive weight in an order drawn at random: first those of weight one, then, by Efraimidis and
+    /// Spirakis' keys, a weighted sample without replacement.
+    fn drawn_by_weight(&self, rng: &mut impl Rng) -> Vec<usize> {
+        let key = |&(i, weight): &(usize, f64)| {
+            let draw: f64 = rng.gen_range(f64::MIN_POSITIVE..1.0);
+            (if weight > 1.0 - 1e-6 { 0.0 } else { draw.ln() / weight }, i)
+        };
+        let mut keyed: Vec<(f64, usize)> = self.weights.iter().map(key).collect();
+        keyed.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        keyed.into_iter().map(|(_, i)| i).collect()
+    }
+
+    /// The candidates of largest weight that the constraints of `instance` allow together, ascending; `None` if those of
+    /// positive weight are too few.
+    pub fn rounded(&self, instance: &Instance) -> Option<Vec<usize>> {
+        first_allowed(instance, &self.by_weight())
     }
 }

@@ -1,12 +1,17 @@
 //! Certificates: how good any selection can be at most.
 
+use super::function::Gradient;
 use super::instance::Instance;
 
 /// A matrix Y that proves a bound on every selection.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Certificate {
-    /// Y ⪰ 0, p×p packed.
+    /// Y ⪰ 0, p×p packed; of several terms one after the other.
     pub y: Vec<f64>,
+    /// The mixture λ of a worst variance; empty for other functions.
+    pub mixture: Vec<f64>,
+    /// Prices ≥ 0 of the caps that bind, by number: first those given, then the cells of the separations.
+    pub prices: Vec<(usize, f64)>,
     /// No selection has a greater log Φ.
     pub log_bound: f64,
 }
@@ -15,49 +20,55 @@ pub struct Certificate {
 const ROUNDING: f64 = 1e-12;
 
 impl Certificate {
-    /// The bound that packed Y ⪰ 0 proves for the instance: with the scores `s_i = ⟨Y, M_i⟩` of **all** candidates,
-    /// `S = ⟨Y, M₀⟩ +` the sum of the k largest, every selection of k has `Φ(M) ≤ S / Φ°(Y)`.
+    /// The bound that Y ⪰ 0 and prices u ≥ 0 prove for the instance: with the scores `s_i = ⟨Y, M_i⟩` of **all** candidates,
+    /// less the prices of the caps that i counts in,
+    ///
+    /// ```text
+    /// S = ⟨Y, M₀⟩ + the scores of the required + the largest others, k in all + Σ u_c m_c
+    /// ```
+    ///
+    /// and every allowed selection has `Φ(M) ≤ S / Φ°(Y)`. Without prices the caps are left out of the bound, which holds for
+    /// more selections then and so for the allowed ones too; separations enter by the cells that they imply.
     ///
     /// Wherever Y came from, the bound is evaluated here in plain arithmetic; a poor Y only makes it loose.
-    pub fn new(instance: &Instance, y: Vec<f64>) -> Self {
-        let scores = instance.scores(&y);
-        Self::from_scores(instance, y, &scores)
+    pub fn new(instance: &Instance, gradient: Gradient, prices: Vec<(usize, f64)>) -> Self {
+        let scores = instance.scores(&gradient.y);
+        Self::from_scores(instance, gradient, prices, &scores)
     }
 
-    /// As [`Certificate::new`] with the scores at `y` at hand.
-    pub(super) fn from_scores(instance: &Instance, y: Vec<f64>, scores: &[f64]) -> Self {
-        let p = instance.order();
-        let prior = crate::information::packed::dual(y.clone(), p);
-        let known: f64 = prior.iter().zip(instance.prior()).map(|(y, m)| y * m).sum();
-        // Rounding of the scores that count: q products each, whose terms may cancel.
-        let least = kth_largest(scores, instance.count());
-        let counted = (0..scores.len()).filter(|&i| scores[i] >= least);
-        let terms =
-            counted.flat_map(|i| instance.candidates().packed(i).iter().zip(&prior).map(|(m, y)| (m * y).abs()));
-        let rounding = prior.len() as f64 * f64::EPSILON * terms.sum::<f64>();
-        let S = rounding + known + sum_of_largest(scores.to_vec(), instance.count());
-        let log_bound = S.ln() - instance.function().log_polar(&y, p) + ROUNDING;
-        Self { y, log_bound: if log_bound.is_nan() { f64::INFINITY } else { log_bound } }
+    /// As [`Certificate::new`] with the scores at hand.
+    pub(super) fn from_scores(
+        instance: &Instance,
+        gradient: Gradient,
+        prices: Vec<(usize, f64)>,
+        scores: &[f64],
+    ) -> Self {
+        let rules = instance.rules();
+        let dual = instance.dual(&gradient.y);
+        let reduced;
+        let scores = if prices.is_empty() {
+            scores
+        } else {
+            reduced = rules.reduced(scores, &prices);
+            &reduced
+        };
+        let (counted, _) = rules.greatest(scores, instance.count());
+        // Rounding of the scores that count: the terms may cancel.
+        let terms = counted.iter().flat_map(|&i| instance.products(&dual, i).map(f64::abs));
+        let rounding = dual.len() as f64 * f64::EPSILON * terms.sum::<f64>();
+        let known: f64 = instance.prior().iter().zip(&dual).map(|(m, y)| m * y).sum();
+        let capped: f64 = prices.iter().map(|&(c, price)| price * rules.caps[c].most as f64).sum();
+        let mut greatest: Vec<f64> = counted.iter().map(|&i| scores[i]).collect();
+        // Sorted, so that the sum does not depend on how the candidates are numbered.
+        greatest.sort_unstable_by(f64::total_cmp);
+        let S = rounding + known + capped + greatest.iter().sum::<f64>();
+        let log_bound = S.ln() - instance.log_polar(&gradient) + ROUNDING;
+        let log_bound = if log_bound.is_nan() { f64::INFINITY } else { log_bound };
+        Self { y: gradient.y, mixture: gradient.mixture, prices, log_bound }
     }
 
     /// The share of the best possible Φ that a selection with this log Φ certainly reaches.
     pub fn efficiency(&self, log_value: f64) -> f64 {
         (log_value - self.log_bound).exp()
     }
-}
-
-/// The `count`-th largest number.
-fn kth_largest(numbers: &[f64], count: usize) -> f64 {
-    *numbers.to_vec().select_nth_unstable_by(count - 1, |a, b| b.total_cmp(a)).1
-}
-
-/// Sum of the `count` largest numbers.
-pub(super) fn sum_of_largest(mut numbers: Vec<f64>, count: usize) -> f64 {
-    if count < numbers.len() {
-        numbers.select_nth_unstable_by(count, |a, b| b.total_cmp(a));
-        numbers.truncate(count);
-    }
-    // Sorted, so that the sum does not depend on how the selection left them.
-    numbers.sort_unstable_by(f64::total_cmp);
-    numbers.iter().sum()
 }

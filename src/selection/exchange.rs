@@ -5,52 +5,77 @@ use super::instance::Instance;
 /// Least gain in log Φ that counts as one.
 const LEAST_GAIN: f64 = 1e-12;
 
+/// Softnesses that a function with kinks is improved at, one after the other. At the kinks almost no single swap gains, and
+/// exchange would stop at once; the smooth stand-ins lead it towards selections that are good by the function itself.
+const SOFTNESSES: [f64; 5] = [0.5, 0.2, 0.08, 0.03, 0.01];
+
 /// Improves a selection by the best swap of one selected for one other candidate until no swap gains; returns it in
-/// ascending order.
+/// ascending order. Required candidates stay, and only what the constraints allow comes in.
 ///
 /// A swap of i for j gains at most `log(1 + s_j − s_i)` with the scores at the current gradient, so only pairs whose bound
 /// exceeds the best gain found are evaluated, and the end is a true local optimum. A singular selection is returned as it
 /// is.
-pub fn exchange(instance: &Instance, mut selected: Vec<usize>) -> Vec<usize> {
-    let p = instance.order();
+pub fn exchange(instance: &Instance, selected: Vec<usize>) -> Vec<usize> {
+    let value = |selected: &Vec<usize>| instance.log_value(&instance.total(selected));
+    let mut best = descend(instance, selected.clone());
+    if !instance.is_smooth() {
+        let mut current = selected;
+        for softness in SOFTNESSES {
+            current = descend(&instance.softened(softness), current);
+            let candidate = descend(instance, current.clone());
+            if value(&candidate) > value(&best) {
+                best = candidate;
+            }
+        }
+    }
+    best
+}
+
+fn descend(instance: &Instance, mut selected: Vec<usize>) -> Vec<usize> {
+    let rules = instance.rules();
     let mut total = instance.total(&selected);
-    let mut free = vec![true; instance.candidates().len()];
+    let mut open: Vec<bool> = (0..instance.len()).map(|i| instance.is_open(i)).collect();
     for &i in &selected {
-        free[i] = false;
+        open[i] = false;
     }
     let mut without = Vec::new();
     let mut work = Vec::new();
-    while let Some(y) = instance.function().gradient(&total, p) {
+    while let Some(gradient) = instance.gradient(&total) {
         let before = instance.log_value(&total);
-        let scores = instance.scores(&y);
+        let scores = instance.scores(&gradient.y);
         selected.sort_unstable_by(|&a, &b| scores[a].total_cmp(&scores[b]).then(a.cmp(&b)));
-        let lowest = scores[selected[0]];
-        let mut incoming: Vec<usize> = (0..scores.len()).filter(|&j| free[j] && scores[j] > lowest).collect();
+        let leaving = || (0..selected.len()).filter(|&place| instance.is_open(selected[place]));
+        let Some(lowest) = leaving().next().map(|place| scores[selected[place]]) else { break };
+        let mut incoming: Vec<usize> = (0..scores.len()).filter(|&j| open[j] && scores[j] > lowest).collect();
         incoming.sort_unstable_by(|&a, &b| scores[b].total_cmp(&scores[a]).then(a.cmp(&b)));
         let mut best: Option<(usize, usize)> = None;
         let mut best_gain = LEAST_GAIN;
         let mut least_lead = best_gain.exp_m1();
-        for (place, &i) in selected.iter().enumerate() {
+        for place in leaving() {
+            let i = selected[place];
             if incoming.first().is_none_or(|&j| scores[j] - scores[i] <= least_lead) {
                 break;
             }
             without.clone_from(&total);
-            instance.candidates().add_to(&mut without, i, -1.0);
+            instance.add_to(&mut without, i, -1.0);
             for &j in &incoming {
                 if scores[j] - scores[i] <= least_lead {
                     break;
                 }
+                if !rules.is_free() && !rules.allows(&selected, Some(i), j) {
+                    continue;
+                }
                 work.clone_from(&without);
-                instance.candidates().add_to(&mut work, j, 1.0);
-                let gain = instance.function().log_value(&mut work, p) - before;
+                instance.add_to(&mut work, j, 1.0);
+                let gain = instance.log_value_in_place(&mut work) - before;
                 if gain > best_gain {
                     (best, best_gain, least_lead) = (Some((place, j)), gain, gain.exp_m1());
                 }
             }
         }
         let Some((place, j)) = best else { break };
-        free[selected[place]] = true;
-        free[j] = false;
+        open[selected[place]] = true;
+        open[j] = false;
         selected[place] = j;
         // Summed anew: updates would carry rounding from swap to swap.
         total = instance.total(&selected);

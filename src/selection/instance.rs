@@ -1,19 +1,56 @@
 //! The selection problem, and the errors of an ill-posed one.
 
+use std::ops::Range;
+use std::sync::Arc;
+
 use nalgebra::DMatrix;
 use thiserror::Error;
 
-use super::function::InformationFunction;
-use crate::information::packed::{packed_len, unpack};
+use super::constraints::{Constraints, Rules};
+use super::curvature::Curvature;
+use super::function::{Gradient, InformationFunction};
+use crate::information::packed::{dual, packed_len, unpack};
 use crate::information::{InformationError, InformationSet};
 
-/// Choose `count` of the candidates so that `Φ(M₀ + Σ M_i)` is greatest.
+/// Choose `count` of the candidates so that Φ of their total information is greatest.
+///
+/// The objective has one term or several: `log Φ = Σ λ_t log Φ_t(M_t)`, the weighted geometric mean of information functions
+/// of different matrices of the same candidates, which is an information function of all the blocks `M_t` together. With
+/// `Y = (λ_t Y_t)` its polar function is `Φ°(Y) = Π (Φ°_t(Y_t))^λ_t`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Instance<'a> {
+    blocks: Vec<Block<'a>>,
+    count: usize,
+    rules: Arc<Rules>,
+}
+
+/// One term of an objective.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Term<'a> {
+    /// The candidates' p×p matrices.
+    pub candidates: &'a InformationSet,
+    /// The p×p information M₀ already at hand, or `None`.
+    pub prior: Option<&'a DMatrix<f64>>,
+    /// What is great of it.
+    pub function: &'a InformationFunction,
+    /// Share λ of the objective; the shares add up to one.
+    pub share: f64,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Block<'a> {
     candidates: &'a InformationSet,
     prior: Vec<f64>,
-    function: &'a InformationFunction,
-    count: usize,
+    function: InformationFunction,
+    share: f64,
+    /// Its entries among those of all blocks.
+    place: Range<usize>,
+}
+
+impl Block<'_> {
+    fn order(&self) -> usize {
+        self.candidates.order()
+    }
 }
 
 /// Why nothing can be selected.
@@ -27,7 +64,7 @@ pub enum SelectionError {
         /// Number of candidates.
         candidates: usize,
     },
-    /// The prior or the function is of another order than the candidates.
+    /// A matrix is of another order than the candidates'.
     #[error("the {what} is of order {found}, the candidates' matrices of order {expected}")]
     Order {
         /// What does not fit.
@@ -37,67 +74,188 @@ pub enum SelectionError {
         /// Its order.
         found: usize,
     },
+    /// The terms are of different candidates, or their shares do not add up to one.
+    #[error(
+        "the terms have {candidates:?} candidates and shares that add up to {shares}; all must have the same \
+             candidates, and positive shares must add up to 1"
+    )]
+    Terms {
+        /// Number of candidates of each.
+        candidates: Vec<usize>,
+        /// Sum of the shares.
+        shares: f64,
+    },
     /// The prior is not an information matrix.
     #[error("the prior is refused: {0}")]
     Prior(#[source] InformationError),
-    /// The weight of the variance is zero or not finite.
+    /// The weight of a variance is zero or not finite.
     #[error("the weight of the variance is zero or not finite; nothing can be made small by it")]
     Weight,
+    /// A constraint names a candidate that does not exist.
+    #[error("the constraints name candidate {candidate}; there are {candidates}, counted from 0")]
+    NoSuchCandidate {
+        /// The candidate named.
+        candidate: usize,
+        /// Number of candidates.
+        candidates: usize,
+    },
+    /// The points of a separation do not fit the candidates.
+    #[error(
+        "a separation needs one point of finite coordinates for each of the {candidates} candidates and a distance of at \
+             least 0; it has {points} points"
+    )]
+    Separation {
+        /// Number of points.
+        points: usize,
+        /// Number of candidates.
+        candidates: usize,
+    },
+    /// A candidate must be in and must not.
+    #[error("candidate {candidate} is required and forbidden")]
+    RequiredAndForbidden {
+        /// The candidate.
+        candidate: usize,
+    },
+    /// The required candidates alone break a cap.
+    #[error("{required} required candidates are in group {group}, which may have {most}")]
+    RequiredAboveCap {
+        /// The group, from 0.
+        group: usize,
+        /// Required candidates in it.
+        required: usize,
+        /// How many it may have.
+        most: usize,
+    },
+    /// Two required candidates are too close to each other.
+    #[error("the required candidates {first} and {second} are {distance} apart; the least separation is {least}")]
+    RequiredTooClose {
+        /// One of them.
+        first: usize,
+        /// The other.
+        second: usize,
+        /// Their distance.
+        distance: f64,
+        /// The least allowed.
+        least: f64,
+    },
+    /// So many cannot be selected: more are required, or fewer allowed.
+    #[error("{count} cannot be selected: {required} are required and {available} allowed")]
+    Allowed {
+        /// Number asked for.
+        count: usize,
+        /// Number of candidates that must be in.
+        required: usize,
+        /// Number of candidates that may be.
+        available: usize,
+    },
+    /// The constraints left no candidate to go on with.
+    #[error("after {selected} of {count} candidates the constraints allow no other")]
+    DeadEnd {
+        /// Number selected.
+        selected: usize,
+        /// Number asked for.
+        count: usize,
+    },
     /// Some combination of the parameters is not determined.
     #[error("{count} views leave a combination of the parameters undetermined")]
     Unobservable {
         /// Number of views that were tried: as many as asked for, or all candidates together.
         count: usize,
+        /// The term whose parameters they are, from 0.
+        term: usize,
         /// The combination, one coefficient per parameter, scaled so that the largest is 1 in size.
         combination: Vec<f64>,
     },
 }
 
 impl<'a> Instance<'a> {
-    /// An instance; `prior` is the p×p information M₀ already at hand, or `None`.
+    /// An instance with one term and no constraints; `prior` is the p×p information M₀ already at hand, or `None`.
     ///
     /// # Errors
-    /// When `count` is 0 or above the number of candidates, an order does not fit, the prior is no information matrix, the
-    /// weight is zero or not finite, or all candidates together leave a combination of the parameters undetermined.
+    /// As [`Instance::constrained`].
     pub fn new(
         candidates: &'a InformationSet,
-        prior: Option<&DMatrix<f64>>,
+        prior: Option<&'a DMatrix<f64>>,
         function: &'a InformationFunction,
         count: usize,
     ) -> Result<Self, SelectionError> {
-        if count == 0 || count > candidates.len() {
-            return Err(SelectionError::Count { count, candidates: candidates.len() });
+        Self::constrained(&[Term { candidates, prior, function, share: 1.0 }], count, Constraints::default())
+    }
+
+    /// An instance with any terms and constraints.
+    ///
+    /// # Errors
+    /// When `count` is 0 or above the number of candidates, the terms do not fit each other, an order does not fit, a prior is
+    /// no information matrix, a weight is zero or not finite, the constraints contradict each other, or all candidates
+    /// together leave a combination of the parameters undetermined.
+    pub fn constrained(terms: &[Term<'a>], count: usize, constraints: Constraints) -> Result<Self, SelectionError> {
+        let candidates: Vec<usize> = terms.iter().map(|term| term.candidates.len()).collect();
+        let shares: f64 = terms.iter().map(|term| term.share).sum();
+        let n = candidates.first().copied().unwrap_or(0);
+        let positive = terms.iter().all(|term| term.share > 0.0);
+        if candidates.iter().any(|&other| other != n) || !positive || (shares - 1.0).abs() > 1e-9 {
+            return Err(SelectionError::Terms { candidates, shares });
         }
-        let p = candidates.order();
-        let fits = |what, found| {
-            if found == p { Ok(()) } else { Err(SelectionError::Order { what, expected: p, found }) }
-        };
-        if let InformationFunction::Variance(factor) = function {
-            fits("weight", factor.nrows())?;
-            if factor.is_empty() || factor.iter().any(|entry| !entry.is_finite()) {
-                return Err(SelectionError::Weight);
-            }
+        if count == 0 || count > n {
+            return Err(SelectionError::Count { count, candidates: n });
         }
-        let prior = match prior {
-            Some(prior) => {
-                fits("prior", prior.nrows())?;
-                fits("prior", prior.ncols())?;
-                let checked = InformationSet::from_matrices(p, [prior]).map_err(SelectionError::Prior)?;
-                checked.packed(0).to_vec()
-            }
-            None => vec![0.0; packed_len(p)],
-        };
-        let instance = Self { candidates, prior, function, count };
-        let everything = instance.with_mean(candidates.len() as f64);
+        let mut blocks = Vec::with_capacity(terms.len());
+        let mut start = 0;
+        for term in terms {
+            let end = start + packed_len(term.candidates.order());
+            blocks.push(Block {
+                candidates: term.candidates,
+                prior: checked_prior(term)?,
+                function: checked_function(term)?,
+                share: term.share,
+                place: start..end,
+            });
+            start = end;
+        }
+        let rules = Arc::new(Rules::new(constraints, n, count)?);
+        let instance = Self { blocks, count, rules };
+        let everything = instance.everything();
         if instance.log_value(&everything) == f64::NEG_INFINITY {
-            return Err(instance.least_known(&everything, candidates.len()));
+            return Err(instance.least_known(&everything, n));
         }
         Ok(instance)
     }
 
-    /// The candidates.
-    pub fn candidates(&self) -> &InformationSet {
-        self.candidates
+    /// The same problem with every function [softened](InformationFunction::softened).
+    #[must_use]
+    pub fn softened(&self, softness: f64) -> Self {
+        let mut softened = self.clone();
+        for block in &mut softened.blocks {
+            block.function = block.function.softened(softness);
+        }
+        softened
+    }
+
+    /// Whether log Φ has derivatives wherever it is finite.
+    pub fn is_smooth(&self) -> bool {
+        self.blocks.iter().all(|block| block.function.is_smooth())
+    }
+
+    /// The same problem for another number of candidates.
+    ///
+    /// # Errors
+    /// When so many cannot be selected.
+    pub fn with_count(&self, count: usize) -> Result<Self, SelectionError> {
+        let (required, available) = (self.rules.required.len(), (0..self.len()).filter(|&i| self.is_open(i)).count());
+        if count == 0 || count < required || count > required + available {
+            return Err(SelectionError::Allowed { count, required, available: required + available });
+        }
+        Ok(Self { count, ..self.clone() })
+    }
+
+    /// Number n of candidates.
+    pub fn len(&self) -> usize {
+        self.blocks[0].candidates.len()
+    }
+
+    /// Whether there is no candidate; never, for [`Instance::new`] refuses that.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
     }
 
     /// Number of candidates to select.
@@ -105,41 +263,151 @@ impl<'a> Instance<'a> {
         self.count
     }
 
-    /// Φ.
-    pub fn function(&self) -> &InformationFunction {
-        self.function
+    /// Orders p of the terms' matrices.
+    pub fn orders(&self) -> impl Iterator<Item = usize> {
+        self.blocks.iter().map(Block::order)
     }
 
-    /// `M₀ + Σ M_i` of a selection, packed.
+    /// Candidates that every selection holds, ascending.
+    pub fn required(&self) -> &[usize] {
+        &self.rules.required
+    }
+
+    /// Whether candidate `i` may be chosen: neither required nor forbidden.
+    pub fn is_open(&self, i: usize) -> bool {
+        self.rules.is_open(i)
+    }
+
+    pub(super) fn rules(&self) -> &Rules {
+        &self.rules
+    }
+
+    /// `M₀ + Σ M_i` of a selection, term after term, packed.
     pub fn total(&self, selected: &[usize]) -> Vec<f64> {
-        self.candidates.total(&self.prior, selected)
+        let mut total = self.prior();
+        for &i in selected {
+            self.add_to(&mut total, i, 1.0);
+        }
+        total
     }
 
-    /// log Φ of a packed total; −∞ if it is singular.
+    /// `total += weight · M_i`.
+    pub fn add_to(&self, total: &mut [f64], i: usize, weight: f64) {
+        for block in &self.blocks {
+            block.candidates.add_to(&mut total[block.place.clone()], i, weight);
+        }
+    }
+
+    /// log Φ of a total; −∞ if it is singular.
     pub fn log_value(&self, total: &[f64]) -> f64 {
-        self.function.log_value(&mut total.to_vec(), self.order())
+        self.log_value_in_place(&mut total.to_vec())
     }
 
-    /// Order p of the matrices.
-    pub fn order(&self) -> usize {
-        self.candidates.order()
+    /// As [`Instance::log_value`]; the total serves as work space.
+    pub(super) fn log_value_in_place(&self, total: &mut [f64]) -> f64 {
+        let log_values = self
+            .blocks
+            .iter()
+            .map(|block| block.share * block.function.log_value(&mut total[block.place.clone()], block.order()));
+        log_values.sum()
     }
 
-    /// Scores `⟨Y, M_i⟩` of all candidates at packed Y.
+    /// The gradient of log Φ at a total, term after term; `None` if it is singular.
+    pub fn gradient(&self, total: &[f64]) -> Option<Gradient> {
+        let mut gradient = Gradient { y: Vec::with_capacity(total.len()), mixture: vec![] };
+        for block in &self.blocks {
+            let Gradient { y, mixture } = block.function.gradient(&total[block.place.clone()], block.order())?;
+            gradient.y.extend(y.iter().map(|y| block.share * y));
+            gradient.mixture.extend(mixture);
+        }
+        Some(gradient)
+    }
+
+    /// `log Φ°(Y)` of the terms' matrices Y ⪰ 0; −∞ where it bounds nothing.
+    pub fn log_polar(&self, gradient: &Gradient) -> f64 {
+        let mut mixture = gradient.mixture.as_slice();
+        let mut sum = 0.0;
+        for block in &self.blocks {
+            let used = match &block.function {
+                InformationFunction::WorstVariance { factors, .. } => factors.len().min(mixture.len()),
+                _ => 0,
+            };
+            let (own, rest) = mixture.split_at(used);
+            mixture = rest;
+            let log_polar = block.function.log_polar(&gradient.y[block.place.clone()], block.order(), own);
+            sum += block.share * (log_polar - block.share.ln());
+        }
+        sum
+    }
+
+    /// The second derivative of log Φ at a total; `None` if it is singular or Φ is not smooth.
+    pub(super) fn curvature(&self, total: &[f64]) -> Option<Vec<Curvature>> {
+        self.blocks.iter().map(|block| block.function.curvature(&total[block.place.clone()], block.order())).collect()
+    }
+
+    /// The image of `M_i` under the root of the second derivative.
+    pub(super) fn curve(&self, curvature: &[Curvature], i: usize) -> Vec<f64> {
+        let images = self.blocks.iter().zip(curvature).map(|(block, curvature)| {
+            let image = curvature.map(block.candidates.packed(i));
+            image.into_iter().map(|x| block.share.sqrt() * x).collect::<Vec<_>>()
+        });
+        images.flatten().collect()
+    }
+
+    /// Scores `⟨Y, M_i⟩` of all candidates.
     pub fn scores(&self, y: &[f64]) -> Vec<f64> {
-        let mut scores = vec![0.0; self.candidates.len()];
-        self.candidates.add_scores(y, &mut scores);
+        let mut scores = vec![0.0; self.len()];
+        for block in &self.blocks {
+            block.candidates.add_scores(&y[block.place.clone()], &mut scores);
+        }
         scores
     }
 
-    /// M₀, packed.
-    pub(super) fn prior(&self) -> &[f64] {
-        &self.prior
+    /// Scores `⟨Y, M_i⟩` of some candidates.
+    pub fn scores_of(&self, y: &[f64], candidates: &[usize]) -> Vec<f64> {
+        let dual = self.dual(y);
+        candidates.iter().map(|&i| self.products(&dual, i).sum()).collect()
     }
 
-    /// `M₀ + weight · mean M_i`, packed.
+    /// Y with doubled off-diagonal entries, whose dot product with a packed M is `⟨Y, M⟩`.
+    pub(super) fn dual(&self, y: &[f64]) -> Vec<f64> {
+        let blocks = self.blocks.iter().map(|block| dual(y[block.place.clone()].to_vec(), block.order()));
+        blocks.flatten().collect()
+    }
+
+    /// The products that add up to the score of candidate `i`, from [`Instance::dual`].
+    pub(super) fn products(&self, dual: &[f64], i: usize) -> impl Iterator<Item = f64> {
+        let blocks = self.blocks.iter();
+        blocks.flat_map(move |block| {
+            block.candidates.packed(i).iter().zip(&dual[block.place.clone()]).map(|(m, y)| m * y)
+        })
+    }
+
+    /// M₀ of the terms.
+    pub fn prior(&self) -> Vec<f64> {
+        self.blocks.iter().flat_map(|block| block.prior.iter().copied()).collect()
+    }
+
+    /// `M₀ + weight · mean M_i`.
     pub(super) fn with_mean(&self, weight: f64) -> Vec<f64> {
-        self.prior.iter().zip(self.candidates.mean()).map(|(a, b)| a + weight * b).collect()
+        let mean = |block: &Block| block.candidates.mean();
+        let means = self
+            .blocks
+            .iter()
+            .flat_map(|block| block.prior.iter().zip(mean(block)).map(|(m, x)| m + weight * x).collect::<Vec<_>>());
+        means.collect()
+    }
+
+    /// What all candidates that may be selected tell together.
+    fn everything(&self) -> Vec<f64> {
+        if self.rules.allows_all() {
+            return self.with_mean(self.len() as f64);
+        }
+        let mut everything = self.total(self.required());
+        for i in (0..self.len()).filter(|&i| self.is_open(i)) {
+            self.add_to(&mut everything, i, 1.0);
+        }
+        everything
     }
 
     /// The error that names the combination of the parameters that a selection knows least.
@@ -147,15 +415,53 @@ impl<'a> Instance<'a> {
         self.least_known(&self.total(selected), selected.len())
     }
 
-    /// As [`Instance::unobservable`] for a packed total of `count` views.
+    /// As [`Instance::unobservable`] for a total of `count` views.
     pub(super) fn least_known(&self, total: &[f64], count: usize) -> SelectionError {
-        let M = unpack(total, self.order());
-        // Scaled by what all candidates know of each parameter, so that units do not decide.
-        let everything = unpack(&self.with_mean(self.candidates.len() as f64), self.order());
-        let scale = everything.diagonal().map(|m| if m > 0.0 { m.sqrt().recip() } else { 1.0 });
-        let eigen = DMatrix::from_fn(M.nrows(), M.ncols(), |i, j| M[(i, j)] * scale[i] * scale[j]).symmetric_eigen();
-        let weakest = eigen.eigenvectors.column(eigen.eigenvalues.imin()).component_mul(&scale);
-        let largest = weakest[weakest.iamax()];
-        SelectionError::Unobservable { count, combination: (weakest / largest).iter().copied().collect() }
+        let everything = self.with_mean(self.len() as f64);
+        let weakest = self.blocks.iter().enumerate().map(|(term, block)| {
+            let M = unpack(&total[block.place.clone()], block.order());
+            // Scaled by what all candidates know of each parameter, so that units do not decide.
+            let everything = unpack(&everything[block.place.clone()], block.order());
+            let scale = everything.diagonal().map(|m| if m > 0.0 { m.sqrt().recip() } else { 1.0 });
+            let scaled = DMatrix::from_fn(M.nrows(), M.ncols(), |i, j| M[(i, j)] * scale[i] * scale[j]);
+            let eigen = scaled.symmetric_eigen();
+            let weakest = eigen.eigenvectors.column(eigen.eigenvalues.imin()).component_mul(&scale);
+            let largest = weakest[weakest.iamax()];
+            let combination = (weakest / largest).iter().copied().collect();
+            (eigen.eigenvalues.min(), SelectionError::Unobservable { count, term, combination })
+        });
+        let least = weakest.min_by(|a, b| a.0.total_cmp(&b.0));
+        least.map_or(SelectionError::Count { count, candidates: self.len() }, |(_, error)| error)
     }
+}
+
+fn checked_prior(term: &Term) -> Result<Vec<f64>, SelectionError> {
+    let p = term.candidates.order();
+    let Some(prior) = term.prior else { return Ok(vec![0.0; packed_len(p)]) };
+    for found in [prior.nrows(), prior.ncols()] {
+        if found != p {
+            return Err(SelectionError::Order { what: "prior", expected: p, found });
+        }
+    }
+    let checked = InformationSet::from_matrices(p, [prior]).map_err(SelectionError::Prior)?;
+    Ok(checked.packed(0).to_vec())
+}
+
+fn checked_function(term: &Term) -> Result<InformationFunction, SelectionError> {
+    let p = term.candidates.order();
+    let factors = match term.function {
+        InformationFunction::Variance(factor) => std::slice::from_ref(factor),
+        InformationFunction::WorstVariance { factors, .. } if factors.is_empty() => return Err(SelectionError::Weight),
+        InformationFunction::WorstVariance { factors, .. } => factors,
+        InformationFunction::Determinant | InformationFunction::MinEigenvalue { .. } => &[],
+    };
+    for factor in factors {
+        if factor.nrows() != p {
+            return Err(SelectionError::Order { what: "weight", expected: p, found: factor.nrows() });
+        }
+        if factor.is_empty() || factor.iter().any(|entry| !entry.is_finite()) {
+            return Err(SelectionError::Weight);
+        }
+    }
+    Ok(term.function.clone())
 }

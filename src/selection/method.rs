@@ -5,6 +5,8 @@
 pub enum Method {
     /// The better of greedy and rounded relaxation, each improved by exchange.
     Best,
+    /// The same, then branch and bound until the best set is proven or a limit reached.
+    Exact,
     /// The relaxation's k largest weights.
     Relaxation,
     /// Greedy, improved by exchange.
@@ -21,8 +23,9 @@ pub enum Method {
 
 impl Method {
     /// Every method.
-    pub const ALL: [Method; 7] = [
+    pub const ALL: [Method; 8] = [
         Method::Best,
+        Method::Exact,
         Method::Relaxation,
         Method::Exchange,
         Method::Greedy,
@@ -35,6 +38,7 @@ impl Method {
     pub fn name(self) -> &'static str {
         match self {
             Method::Best => "best",
+            Method::Exact => "exact",
             Method::Relaxation => "relaxation",
             Method::Exchange => "exchange",
             Method::Greedy => "greedy",
@@ -42,5 +46,10 @@ impl Method {
             Method::KMeansJoints => "kmeans-joints",
             Method::KMeansPositions => "kmeans-positions",
         }
+    }
+
+    /// Whether it chooses only what the constraints allow; the baselines do not look at them.
+    pub fn heeds_constraints(self) -> bool {
+        !matches!(self, Method::Random | Method::KMeansJoints | Method::KMeansPositions)
     }
 }

@@ -5,22 +5,32 @@
 
 mod best;
 mod certificate;
+mod constraints;
+mod curvature;
 mod exchange;
+mod fewest;
 mod function;
 mod greedy;
 mod instance;
 mod kmeans;
 mod method;
+mod node;
 mod random;
 mod relaxation;
+mod search;
+mod soft_minimum;
 
 pub use best::{Best, best};
 pub use certificate::Certificate;
+pub use constraints::{Cap, Constraints, Separation};
+pub use curvature::Curvature;
 pub use exchange::exchange;
-pub use function::{Curvature, InformationFunction};
+pub use fewest::{Fewest, NotEnough, Refutation, fewest};
+pub use function::{Gradient, InformationFunction};
 pub use greedy::greedy;
-pub use instance::{Instance, SelectionError};
+pub use instance::{Instance, SelectionError, Term};
 pub use kmeans::{ClusteringError, kmeans};
 pub use method::Method;
 pub use random::random;
 pub use relaxation::{Relaxation, RelaxationSettings, relax};
+pub use search::{Search, SearchEnd, SearchProgress, search};

@@ -1,7 +1,7 @@
 //! The convex relaxation, by column generation, with Clarabel.
 //!
 //! ```text
-//! maximise  log Φ(M₀ + Σ wᵢ Mᵢ)   over   0 ≤ wᵢ ≤ 1,  Σ wᵢ = k
+//! maximise  log Φ(M₀ + Σ wᵢ Mᵢ)   over   0 ≤ wᵢ ≤ 1,  Σ wᵢ = k,  and Σ wᵢ ≤ m within each capped group
 //! ```
 //!
 //! Two loops. The outer one keeps a working set of columns: it scores **all** candidates with the gradient Y of log Φ,
@@ -10,26 +10,30 @@
 //! program
 //!
 //! ```text
-//! minimise  ½‖y‖² − gᵀw   subject to   B(w − w₀) = y,  Σ w = k,  0 ≤ w ≤ 1,     gᵢ = ⟨Y, Mᵢ⟩
+//! minimise  ½‖y‖² − gᵀw   subject to   B(w − w₀) = y  and the constraints on w,     gᵢ = ⟨Y, Mᵢ⟩
 //! ```
 //!
 //! which Clarabel solves; a line search on log Φ follows. Compared with one semidefinite program this needs only linear
 //! cones, takes every information function in the same form, is scaled by B at every step, so that units do not matter, and
-//! starts where it left off when columns join.
+//! starts where it left off when columns join. The multipliers of the caps are the certificate's prices.
+//!
+//! A function with kinks is approached through its [softened](super::InformationFunction::softened) stand-ins, ever less
+//! soft: the central path of an interior-point method. The certificate is always that of the function itself.
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
-use super::certificate::{Certificate, sum_of_largest};
-use super::function::Curvature;
-use super::greedy::best_scores;
+use super::certificate::Certificate;
+use super::curvature::Curvature;
+use super::function::Gradient;
+use super::greedy::highest;
 use super::instance::Instance;
-use crate::information::packed::dual;
 
 /// When to stop, and how many columns to carry.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RelaxationSettings {
-    /// Gap in log Φ between bound and relaxed value at which the relaxation counts as solved.
+    /// Gap in log Φ between bound and relaxed value at which the relaxation counts as solved. For functions with kinks at
+    /// least [`RelaxationSettings::KINK_TOLERANCE`].
     pub tolerance: f64,
     /// Most rounds of column generation.
     pub max_rounds: usize,
@@ -37,9 +41,14 @@ pub struct RelaxationSettings {
     pub columns_per_round: usize,
 }
 
+impl RelaxationSettings {
+    /// The finest gap asked of functions with kinks: below, the stand-in's curvature exceeds what doubles resolve.
+    pub const KINK_TOLERANCE: f64 = 1e-5;
+}
+
 impl Default for RelaxationSettings {
     fn default() -> Self {
-        Self { tolerance: 1e-9, max_rounds: 30, columns_per_round: 40 }
+        Self { tolerance: 1e-9, max_rounds: 60, columns_per_round: 40 }
     }
 }
 
@@ -66,99 +75,197 @@ const MAX_NEWTON_STEPS: usize = 100;
 /// Weights below this are zero.
 const ZERO_WEIGHT: f64 = 1e-8;
 
-/// Solves the relaxation of `instance`, starting at the selection `start`; `None` if that is singular.
-pub fn relax(instance: &Instance, start: &[usize], settings: &RelaxationSettings) -> Option<Relaxation> {
-    let n = instance.candidates().len();
-    let mut columns = start.to_vec();
-    let mut weights = vec![1.0; columns.len()];
-    let mut master = Master { instance, newton_steps: 0 };
-    let y = master.gradient(&columns, &weights)?;
-    let mut scores = instance.scores(&y);
-    let mut certificate = Certificate::from_scores(instance, y, &scores);
-    let mut log_value = instance.log_value(&master.total(&columns, &weights));
-    let mut rounds = 0;
-    while certificate.log_bound - log_value > settings.tolerance && rounds < settings.max_rounds {
-        rounds += 1;
-        // Columns of weight zero that have fallen behind leave, the best of the others join.
-        let mut outside = vec![true; n];
-        let kept: Vec<usize> = (0..columns.len()).filter(|&c| weights[c] > ZERO_WEIGHT).collect();
-        (columns, weights) = kept.into_iter().map(|c| (columns[c], weights[c])).unzip();
-        for &i in &columns {
-            outside[i] = false;
-        }
-        columns.extend(best_scores(&scores, &outside, settings.columns_per_round.max(instance.count())));
-        weights.resize(columns.len(), 0.0);
-        let order = sorted_by(&columns);
-        columns = order.iter().map(|&c| columns[c]).collect();
-        weights = order.iter().map(|&c| weights[c]).collect();
+/// The first softness of a function with kinks, and the factor to the next.
+const SOFTNESS: f64 = 0.3;
+const SOFTNESS_FACTOR: f64 = 0.1;
 
-        let solved = master.solve(&columns, &mut weights, 0.5 * settings.tolerance);
-        let total = master.total(&columns, &weights);
-        let reached = instance.log_value(&total);
+/// Solves the relaxation of `instance`, starting with equal weights on the candidates `start`, at least as many as are to be
+/// selected; `None` if that is singular.
+pub fn relax(instance: &Instance, start: &[usize], settings: &RelaxationSettings) -> Option<Relaxation> {
+    let smooth = instance.is_smooth();
+    let tolerance =
+        if smooth { settings.tolerance } else { settings.tolerance.max(RelaxationSettings::KINK_TOLERANCE) };
+    let mut softness = SOFTNESS;
+    let mut master = Master::new(instance.softened(softness), start);
+    let total = master.total();
+    let mut scores = instance.scores(&master.instance.gradient(&total)?.y);
+    let mut certificate = Certificate::from_scores(instance, master.instance.gradient(&total)?, vec![], &scores);
+    let mut log_value = instance.log_value(&total);
+    let mut best_weights = master.weighted();
+    let mut rounds = 0;
+    while certificate.log_bound - log_value > tolerance && rounds < settings.max_rounds {
+        rounds += 1;
+        master.drop_unused();
+        master.add_columns(&scores, settings.columns_per_round.max(instance.count()));
+        let goal = if smooth { 0.5 * tolerance } else { (0.01 * softness).max(0.1 * tolerance) };
+        let solved = master.solve(goal);
+        let total = master.total();
         // A certificate in hand holds whatever becomes of the weights.
-        let Some(y) = master.gradient(&columns, &weights) else { break };
-        scores = instance.scores(&y);
-        let found = Certificate::from_scores(instance, y, &scores);
-        let bound_before = certificate.log_bound;
-        if found.log_bound < bound_before {
+        let Some(gradient) = master.instance.gradient(&total) else { break };
+        scores = instance.scores(&gradient.y);
+        let gap = master.gap_over_all(&gradient, &scores);
+        let found = Certificate::from_scores(instance, gradient, master.prices.clone(), &scores);
+        let reached = instance.log_value(&total);
+        let progress = (reached - log_value).max(certificate.log_bound - found.log_bound);
+        if found.log_bound < certificate.log_bound {
             certificate = found;
         }
-        let progress = (reached - log_value).max(bound_before - certificate.log_bound);
-        log_value = reached;
-        if !solved && progress <= settings.tolerance {
-            break;
+        if smooth || reached > log_value {
+            log_value = reached;
+            best_weights = master.weighted();
+        }
+        if smooth {
+            if !solved && progress <= tolerance {
+                break;
+            }
+        } else if gap <= 0.1 * softness.max(tolerance) || !solved {
+            if softness < 1e-3 * tolerance {
+                break;
+            }
+            softness *= SOFTNESS_FACTOR;
+            master.instance = instance.softened(softness);
         }
     }
-    let mut weights: Vec<(usize, f64)> =
-        columns.into_iter().zip(weights).filter(|&(_, weight)| weight > ZERO_WEIGHT).collect();
-    weights.sort_unstable_by_key(|&(i, _)| i);
-    let solved = certificate.log_bound - log_value <= settings.tolerance;
-    Some(Relaxation { weights, log_value, certificate, solved, rounds, newton_steps: master.newton_steps })
-}
-
-fn sorted_by(columns: &[usize]) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..columns.len()).collect();
-    order.sort_unstable_by_key(|&c| columns[c]);
-    order
+    let solved = certificate.log_bound - log_value <= tolerance;
+    Some(Relaxation {
+        weights: best_weights,
+        log_value,
+        certificate,
+        solved,
+        rounds,
+        newton_steps: master.newton_steps,
+    })
 }
 
 /// The relaxation on a working set.
 struct Master<'a> {
-    instance: &'a Instance<'a>,
+    /// The problem with a smooth objective.
+    instance: Instance<'a>,
+    /// `M₀ +` the information of the required candidates.
+    known: Vec<f64>,
+    /// The working set, ascending, without the required candidates.
+    columns: Vec<usize>,
+    weights: Vec<f64>,
+    /// Prices of the caps that bind.
+    prices: Vec<(usize, f64)>,
     newton_steps: usize,
 }
 
-impl Master<'_> {
-    fn total(&self, columns: &[usize], weights: &[f64]) -> Vec<f64> {
-        let mut total = self.instance.prior().to_vec();
-        for (&i, &weight) in columns.iter().zip(weights) {
-            self.instance.candidates().add_to(&mut total, i, weight);
+/// A cap on the weights of some columns.
+struct CapRow {
+    cap: usize,
+    /// Places in the working set.
+    places: Vec<usize>,
+    /// What the required candidates leave of it.
+    most: f64,
+}
+
+impl<'a> Master<'a> {
+    fn new(instance: Instance<'a>, start: &[usize]) -> Self {
+        let mut columns: Vec<usize> = start.iter().copied().filter(|&i| instance.is_open(i)).collect();
+        columns.sort_unstable();
+        let free = instance.count() - instance.required().len();
+        let weights = vec![free as f64 / columns.len().max(1) as f64; columns.len()];
+        let known = instance.total(instance.required());
+        Self { instance, known, columns, weights, prices: vec![], newton_steps: 0 }
+    }
+
+    fn total(&self) -> Vec<f64> {
+        self.total_at(&self.weights)
+    }
+
+    fn total_at(&self, weights: &[f64]) -> Vec<f64> {
+        let mut total = self.known.clone();
+        for (&i, &weight) in self.columns.iter().zip(weights) {
+            self.instance.add_to(&mut total, i, weight);
         }
         total
     }
 
-    fn gradient(&self, columns: &[usize], weights: &[f64]) -> Option<Vec<f64>> {
-        self.instance.function().gradient(&self.total(columns, weights), self.instance.order())
+    /// Candidates of positive weight with their weights, ascending.
+    fn weighted(&self) -> Vec<(usize, f64)> {
+        let columns = self.columns.iter().copied().zip(self.weights.iter().copied());
+        let required = self.instance.required().iter().map(|&i| (i, 1.0));
+        let mut weighted: Vec<_> = columns.filter(|&(_, weight)| weight > ZERO_WEIGHT).chain(required).collect();
+        weighted.sort_unstable_by_key(|&(i, _)| i);
+        weighted
     }
 
-    /// Newton's method from `weights` until no weights on the working set promise more than `tolerance`, to first order;
-    /// whether it got there.
-    fn solve(&mut self, columns: &[usize], weights: &mut Vec<f64>, tolerance: f64) -> bool {
-        let p = self.instance.order();
+    /// Columns of weight zero leave.
+    fn drop_unused(&mut self) {
+        let kept: Vec<usize> = (0..self.columns.len()).filter(|&c| self.weights[c] > ZERO_WEIGHT).collect();
+        self.weights = kept.iter().map(|&c| self.weights[c]).collect();
+        self.columns = kept.iter().map(|&c| self.columns[c]).collect();
+    }
+
+    /// The best `most` of the candidates outside join.
+    fn add_columns(&mut self, scores: &[f64], most: usize) {
+        let reduced = self.instance.rules().reduced(scores, &self.prices);
+        let mut outside: Vec<bool> = (0..scores.len()).map(|i| self.instance.is_open(i)).collect();
+        for &i in &self.columns {
+            outside[i] = false;
+        }
+        let weights = self.weights.iter().copied().chain(std::iter::repeat(0.0));
+        let joining = highest(&reduced, |i| outside[i], most);
+        let mut weighted: Vec<(usize, f64)> = self.columns.iter().copied().chain(joining).zip(weights).collect();
+        weighted.sort_unstable_by_key(|&(i, _)| i);
+        (self.columns, self.weights) = weighted.into_iter().unzip();
+    }
+
+    /// The caps that the working set could exceed.
+    fn cap_rows(&self) -> Vec<CapRow> {
+        let rules = self.instance.rules();
+        let mut rows: std::collections::BTreeMap<usize, Vec<usize>> = std::collections::BTreeMap::new();
+        for (place, &i) in self.columns.iter().enumerate() {
+            for &c in rules.caps_of(i) {
+                rows.entry(c).or_default().push(place);
+            }
+        }
+        let row = |(cap, places): (usize, Vec<usize>)| {
+            let required = rules.required.iter().filter(|&&i| rules.caps_of(i).contains(&cap)).count();
+            CapRow { cap, places, most: (rules.caps[cap].most - required) as f64 }
+        };
+        rows.into_iter().map(row).filter(|row| row.places.len() as f64 > row.most).collect()
+    }
+
+    /// How much more any weights promise, to first order: `max ⟨g, w'⟩ − ⟨g, w⟩` over the working set at the current prices.
+    fn gap(&self, gradient: &[f64], rows: &[CapRow]) -> f64 {
+        let mut reduced = gradient.to_vec();
+        let mut capped = 0.0;
+        for row in rows {
+            let price = self.prices.iter().find(|&&(cap, _)| cap == row.cap).map_or(0.0, |&(_, price)| price);
+            capped += price * row.most;
+            for &place in &row.places {
+                reduced[place] -= price;
+            }
+        }
+        let free = self.instance.count() - self.instance.required().len();
+        capped + sum_of_largest(reduced, free) - inner(gradient, &self.weights)
+    }
+
+    /// The same over all candidates, which tells whether columns are missing.
+    fn gap_over_all(&self, gradient: &Gradient, scores: &[f64]) -> f64 {
+        let rules = self.instance.rules();
+        let reduced = rules.reduced(scores, &self.prices);
+        let (greatest, _) = rules.greatest(&reduced, self.instance.count());
+        let capped: f64 = self.prices.iter().map(|&(c, price)| price * rules.caps[c].most as f64).sum();
+        let own = self.instance.scores_of(&gradient.y, &self.columns);
+        let required: f64 = self.instance.required().iter().map(|&i| scores[i]).sum();
+        capped + greatest.iter().map(|&i| reduced[i]).sum::<f64>() - inner(&own, &self.weights) - required
+    }
+
+    /// Newton's method until no weights on the working set promise more than `tolerance`, to first order; whether it got
+    /// there.
+    fn solve(&mut self, tolerance: f64) -> bool {
+        let rows = self.cap_rows();
         let mut least_gap = f64::INFINITY;
         for _ in 0..MAX_NEWTON_STEPS {
-            let total = self.total(columns, weights);
-            let (Some(y), Some(curvature)) =
-                (self.instance.function().gradient(&total, p), self.instance.function().curvature(&total, p))
-            else {
+            let total = self.total();
+            let (Some(y), Some(curvature)) = (self.instance.gradient(&total), self.instance.curvature(&total)) else {
                 return false;
             };
-            let dual = dual(y, p);
-            let score = |&i: &usize| -> f64 {
-                self.instance.candidates().packed(i).iter().zip(&dual).map(|(m, y)| m * y).sum()
-            };
-            let gradient: Vec<f64> = columns.iter().map(score).collect();
-            let gap = sum_of_largest(gradient.clone(), self.instance.count()) - inner(&gradient, weights);
+            let gradient = self.instance.scores_of(&y.y, &self.columns);
+            let gap = self.gap(&gradient, &rows);
             if gap <= tolerance {
                 return true;
             }
@@ -168,96 +275,108 @@ impl Master<'_> {
                 return false;
             }
             least_gap = gap;
-            let Some(target) = newton_target(self.instance, columns, weights, &gradient, &curvature) else {
-                return false;
-            };
+            let Some(target) = self.newton_target(&gradient, &curvature, &rows) else { return false };
             self.newton_steps += 1;
-            let direction: Vec<f64> = target.iter().zip(weights.iter()).map(|(t, w)| t - w).collect();
+            let direction: Vec<f64> = target.iter().zip(&self.weights).map(|(t, w)| t - w).collect();
             let slope = inner(&direction, &gradient);
             let before = self.instance.log_value(&total);
-            let moved =
-                |length: f64| -> Vec<f64> { weights.iter().zip(&direction).map(|(w, d)| w + length * d).collect() };
+            let moved = |length: f64| -> Vec<f64> {
+                self.weights.iter().zip(&direction).map(|(w, d)| w + length * d).collect()
+            };
             let gains = |length: f64| {
-                let gain = self.instance.log_value(&self.total(columns, &moved(length))) - before;
+                let gain = self.instance.log_value(&self.total_at(&moved(length))) - before;
                 gain >= 0.1 * length * slope
             };
             let Some(length) = (0..20).map(|halvings| 0.5f64.powi(halvings)).find(|&length| hidden || gains(length))
             else {
                 return false;
             };
-            *weights = moved(length);
+            self.weights = moved(length);
         }
         false
     }
+
+    /// The minimiser of the quadratic model over the working set's weights; sets the prices to its multipliers.
+    fn newton_target(&mut self, gradient: &[f64], curvature: &[Curvature], rows: &[CapRow]) -> Option<Vec<f64>> {
+        let n = self.columns.len();
+        let B: Vec<Vec<f64>> = self.columns.iter().map(|&i| self.instance.curve(curvature, i)).collect();
+        let m = B[0].len();
+
+        // Unknowns (w, y). Rows: B w − y = B w₀ (m), Σ w = k (1), w ≤ 1 (n), −w ≤ 0 (n), caps.
+        let mut Bw = vec![0.0; m];
+        for (column, &weight) in B.iter().zip(&self.weights) {
+            for (sum, b) in Bw.iter_mut().zip(column) {
+                *sum += weight * b;
+            }
+        }
+        let mut caps_at = vec![vec![]; n];
+        for (r, row) in rows.iter().enumerate() {
+            for &place in &row.places {
+                caps_at[place].push(m + 1 + 2 * n + r);
+            }
+        }
+        let mut column_starts = vec![0];
+        let (mut places, mut entries) = (Vec::new(), Vec::new());
+        for (c, column) in B.iter().enumerate() {
+            places.extend(0..m);
+            entries.extend(column);
+            places.extend([m, m + 1 + c, m + 1 + n + c]);
+            entries.extend([1.0, 1.0, -1.0]);
+            places.extend(&caps_at[c]);
+            entries.extend(std::iter::repeat_n(1.0, caps_at[c].len()));
+            column_starts.push(places.len());
+        }
+        for r in 0..m {
+            places.push(r);
+            entries.push(-1.0);
+            column_starts.push(places.len());
+        }
+        let A = CscMatrix::new(m + 1 + 2 * n + rows.len(), n + m, column_starts, places, entries);
+        let mut b = Bw;
+        b.push((self.instance.count() - self.instance.required().len()) as f64);
+        b.extend(std::iter::repeat_n(1.0, n));
+        b.extend(std::iter::repeat_n(0.0, n));
+        b.extend(rows.iter().map(|row| row.most));
+        let P = CscMatrix::new(
+            n + m,
+            n + m,
+            (0..=n + m).map(|c| c.saturating_sub(n)).collect(),
+            (n..n + m).collect(),
+            vec![1.0; m],
+        );
+        let q: Vec<f64> = gradient.iter().map(|g| -g).chain(std::iter::repeat_n(0.0, m)).collect();
+        let cones = [SupportedConeT::ZeroConeT(m + 1), SupportedConeT::NonnegativeConeT(2 * n + rows.len())];
+        let settings = DefaultSettings {
+            verbose: false,
+            tol_gap_abs: 1e-10,
+            tol_gap_rel: 1e-10,
+            tol_feas: 1e-10,
+            ..DefaultSettings::default()
+        };
+        let mut solver = DefaultSolver::new(&P, &q, &A, &b, &cones, settings).ok()?;
+        solver.solve();
+        match solver.solution.status {
+            // At this tolerance the solver often stops short of it, at a point good enough for the line search.
+            SolverStatus::Solved | SolverStatus::AlmostSolved | SolverStatus::InsufficientProgress => {
+                let multipliers = &solver.solution.z[m + 1 + 2 * n..];
+                let priced = rows.iter().zip(multipliers).filter(|&(_, &price)| price > 0.0);
+                self.prices = priced.map(|(row, &price)| (row.cap, price)).collect();
+                Some(solver.solution.x[..n].iter().map(|w| w.clamp(0.0, 1.0)).collect())
+            }
+            _ => None,
+        }
+    }
+}
+
+/// Sum of the `count` largest numbers.
+fn sum_of_largest(mut numbers: Vec<f64>, count: usize) -> f64 {
+    if count < numbers.len() {
+        numbers.select_nth_unstable_by(count, |a, b| b.total_cmp(a));
+        numbers.truncate(count);
+    }
+    numbers.iter().sum()
 }
 
 fn inner(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-/// The minimiser of the quadratic model over the working set's weights.
-fn newton_target(
-    instance: &Instance,
-    columns: &[usize],
-    weights: &[f64],
-    gradient: &[f64],
-    curvature: &Curvature,
-) -> Option<Vec<f64>> {
-    let n = columns.len();
-    let B: Vec<Vec<f64>> = columns.iter().map(|&i| curvature.map(instance.candidates().packed(i))).collect();
-    let m = B[0].len();
-
-    // Unknowns (w, y). Rows: B w − y = B w₀ (m), Σ w = k (1), w ≤ 1 (n), −w ≤ 0 (n).
-    let mut Bw = vec![0.0; m];
-    for (column, &weight) in B.iter().zip(weights) {
-        for (sum, b) in Bw.iter_mut().zip(column) {
-            *sum += weight * b;
-        }
-    }
-    let mut column_starts = vec![0];
-    let (mut rows, mut entries) = (Vec::new(), Vec::new());
-    for (c, column) in B.iter().enumerate() {
-        for (r, &b) in column.iter().enumerate() {
-            rows.push(r);
-            entries.push(b);
-        }
-        rows.extend([m, m + 1 + c, m + 1 + n + c]);
-        entries.extend([1.0, 1.0, -1.0]);
-        column_starts.push(rows.len());
-    }
-    for r in 0..m {
-        rows.push(r);
-        entries.push(-1.0);
-        column_starts.push(rows.len());
-    }
-    let A = CscMatrix::new(m + 1 + 2 * n, n + m, column_starts, rows, entries);
-    let mut b = Bw;
-    b.push(instance.count() as f64);
-    b.extend(std::iter::repeat_n(1.0, n));
-    b.extend(std::iter::repeat_n(0.0, n));
-    let P = CscMatrix::new(
-        n + m,
-        n + m,
-        (0..=n + m).map(|c| c.saturating_sub(n)).collect(),
-        (n..n + m).collect(),
-        vec![1.0; m],
-    );
-    let q: Vec<f64> = gradient.iter().map(|g| -g).chain(std::iter::repeat_n(0.0, m)).collect();
-    let cones = [SupportedConeT::ZeroConeT(m + 1), SupportedConeT::NonnegativeConeT(2 * n)];
-    let settings = DefaultSettings {
-        verbose: false,
-        tol_gap_abs: 1e-10,
-        tol_gap_rel: 1e-10,
-        tol_feas: 1e-10,
-        ..DefaultSettings::default()
-    };
-    let mut solver = DefaultSolver::new(&P, &q, &A, &b, &cones, settings).ok()?;
-    solver.solve();
-    match solver.solution.status {
-        // At this tolerance the solver often stops short of it, at a point good enough for the line search.
-        SolverStatus::Solved | SolverStatus::AlmostSolved | SolverStatus::InsufficientProgress => {
-            Some(solver.solution.x[..n].iter().map(|w| w.clamp(0.0, 1.0)).collect())
-        }
-        _ => None,
-    }
 }

@@ -2,6 +2,7 @@
 
 mod camera;
 mod robot;
+mod selection;
 mod sweep;
 mod target;
 
@@ -13,7 +14,7 @@ use nalgebra::{Quaternion, UnitQuaternion};
 use super::document::{Document, KeyPath};
 use super::fault::{Allowed, Fault, Reason};
 use super::shape::Numbers;
-use super::{Problem, SelectionSettings, schema, syntax};
+use super::{Problem, schema, syntax};
 use crate::camera::{Camera, Lens};
 use crate::feasibility::VisibilityLimits;
 use crate::spatial::Pose;
@@ -45,7 +46,13 @@ pub(super) fn resolve(
     // Without its camera file the names of the lens's intrinsics are not known.
     let lens = camera.as_ref().map(Camera::lens).or_else(|| file.camera.stated_lens());
     let estimated = lens.map(|lens| check.estimated(&file.estimate, lens)).unwrap_or_default();
-    let selection = check.selection(&file.selection);
+    let names: Vec<&str> =
+        lens.map(|lens| estimated.iter().map(|&i| lens.parameter_names()[i]).collect()).unwrap_or_default();
+    let prior_sigma = check.prior_sigma(&file.estimate, &names);
+    let selection = check.selection(&file.selection, &names);
+    let joints = robot.as_ref().map(|robot| robot.chain.joints.as_slice()).unwrap_or_default();
+    let constraints = check.constraints(&file.constraints, joints);
+    check.unconstrained_method(&selection, &constraints);
     // The size of the sweep means something only once the limits do.
     let space = robot.as_ref().and_then(|robot| check.space(&file.sweep, &robot.chain.joints));
     let published = check.published(&file.sweep);
@@ -66,7 +73,9 @@ pub(super) fn resolve(
             visibility,
             noise,
             estimated,
+            prior_sigma,
             selection,
+            constraints,
             output,
         }),
         _ => Err(check.faults),
@@ -200,17 +209,6 @@ impl Check<'_, '_> {
         }
         estimated.sort_unstable();
         estimated
-    }
-
-    fn selection(&mut self, selection: &schema::Selection) -> SelectionSettings {
-        let tolerance = KeyPath::section("selection").key("tolerance");
-        SelectionSettings {
-            criterion: selection.criterion.0,
-            method: selection.method.0,
-            count: selection.count as usize,
-            seed: selection.seed,
-            tolerance: self.number(&tolerance, selection.tolerance, Allowed::between(1e-12, 0.1)),
-        }
     }
 }
 

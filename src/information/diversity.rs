@@ -1,0 +1,86 @@
+//! How varied the views are, without a camera model.
+
+use nalgebra::Vector3;
+
+use super::packed::packed_len;
+use super::set::InformationSet;
+use crate::spatial::Pose;
+
+/// What varies between views: tilt of the board about the camera's x and y (rad), and the logarithm of its distance (m).
+const FEATURES: [&str; 3] = ["tilt x", "tilt y", "distance"];
+
+/// A feature whose variance is below this does not vary.
+const LEAST_VARIANCE: f64 = 1e-12;
+
+/// `z zᵀ` of each view `X_CT`, packed, and the names of z's entries: the monomials up to degree two of the board's tilts in
+/// the camera and the logarithm of its distance, standardised over all views; ten of them, or fewer where one does not
+/// vary.
+///
+/// It is the model of a quadratic response surface; designs that determine it well spread over angles and distances (Box &
+/// Draper, *Response Surfaces, Mixtures, and Ridge Analyses*).
+pub fn diversity_set(poses: &[Pose]) -> (InformationSet, Vec<String>) {
+    let features: Vec<Vector3<f64>> = poses.iter().map(features).collect();
+    let n = features.len().max(1) as f64;
+    let mean = features.iter().sum::<Vector3<f64>>() / n;
+    let variance = features.iter().map(|x| (x - mean).component_mul(&(x - mean))).sum::<Vector3<f64>>() / n;
+    let varying: Vec<usize> = (0..3).filter(|&f| variance[f] > LEAST_VARIANCE).collect();
+    // Of the constant 1 and each feature, every product of two.
+    let factors: Vec<Option<usize>> = std::iter::once(None).chain(varying.iter().copied().map(Some)).collect();
+    let pairs: Vec<[Option<usize>; 2]> =
+        (0..factors.len()).flat_map(|a| (0..=a).map(move |b| (a, b))).map(|(a, b)| [factors[a], factors[b]]).collect();
+    let mut table = Vec::with_capacity(poses.len() * packed_len(pairs.len()));
+    for x in &features {
+        let value = |factor: Option<usize>| factor.map_or(1.0, |f| (x[f] - mean[f]) / variance[f].sqrt());
+        let z: Vec<f64> = pairs.iter().map(|&[a, b]| value(a) * value(b)).collect();
+        table.extend((0..z.len()).flat_map(|i| (0..=i).map(move |j| (i, j))).map(|(i, j)| z[i] * z[j]));
+    }
+    let name = |pair: &[Option<usize>; 2]| {
+        let factors: Vec<&str> = pair.iter().flatten().map(|&f| FEATURES[f]).collect();
+        if factors.is_empty() { "1".into() } else { factors.join(" * ") }
+    };
+    (InformationSet::from_packed_trusted(pairs.len(), table), pairs.iter().map(name).collect())
+}
+
+/// The [`FEATURES`] of a view.
+fn features(X_CT: &Pose) -> Vector3<f64> {
+    let toward = -(X_CT.rotation * Vector3::z());
+    Vector3::new(toward.y.atan2(toward.z), toward.x.atan2(toward.z), X_CT.translation.vector.norm().ln())
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::UnitQuaternion;
+
+    use super::*;
+    use crate::information::packed::log_det;
+
+    /// Views spread over angle and distance score higher than the same number at one angle.
+    #[test]
+    fn spread_views_are_more_diverse_than_equal_ones() {
+        let pose = |i: usize| {
+            let (a, b, c) = ((i % 3) as f64 - 1.0, (i / 3 % 3) as f64 - 1.0, (i / 9) as f64);
+            let R = UnitQuaternion::from_euler_angles(std::f64::consts::PI + 0.4 * a, 0.4 * b, 0.0);
+            Pose::from_parts(Vector3::new(0.0, 0.0, 0.5 + 0.2 * c).into(), R)
+        };
+        let (set, names) = diversity_set(&(0..27).map(pose).collect::<Vec<_>>());
+        assert_eq!(names.len(), 10);
+        let value = |selected: &[usize]| {
+            let mut total = set.total(&set.mean(), selected);
+            assert!(crate::information::packed::cholesky(&mut total, 10));
+            log_det(&total, 10)
+        };
+        assert!(value(&[0, 2, 6, 8, 18, 20, 24, 26, 13, 4]) > value(&[13; 10]) + 1.0);
+    }
+
+    /// A camera that never rolls sees a level board tilted about one axis only.
+    #[test]
+    fn features_that_do_not_vary_are_left_out() {
+        let pose = |i: usize| {
+            let R = UnitQuaternion::from_euler_angles(std::f64::consts::PI + 0.1 * i as f64, 0.0, 0.0);
+            Pose::from_parts(Vector3::new(0.0, 0.0, 0.5 + 0.03 * (i * i % 7) as f64).into(), R)
+        };
+        let (set, names) = diversity_set(&(0..9).map(pose).collect::<Vec<_>>());
+        assert_eq!(set.order(), 6);
+        assert_eq!(names, ["1", "tilt x", "tilt x * tilt x", "distance", "distance * tilt x", "distance * distance"]);
+    }
+}

@@ -1,0 +1,106 @@
+//! The problem's constraints in terms of the survey's views.
+
+use nalgebra::{DMatrix, Vector3};
+use thiserror::Error;
+
+use super::survey::Survey;
+use crate::feasibility::View;
+use crate::information::Measurement;
+use crate::information::packed::unpack;
+use crate::problem::{PoseConstraints, Problem};
+use crate::robot::JointKind;
+use crate::selection::{Cap, Constraints, Separation};
+
+/// Why the problem's constraints cannot be held.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum ConstraintError {
+    /// A pose that must be in the plan is no view.
+    #[error("pose {id} is required, but it is not among the {views} configurations that see the board")]
+    NotAView {
+        /// The pose's id.
+        id: usize,
+        /// Number of views.
+        views: usize,
+    },
+    /// A pose that must be in the plan is in a region without poses.
+    #[error("pose {id} is required, but lies in region {region} of `constraints.keep_out`")]
+    KeptOut {
+        /// The pose's id.
+        id: usize,
+        /// The region, from 1.
+        region: usize,
+    },
+    /// A view taken already does not see the board.
+    #[error("from captured view {view} the nominal camera does not see every corner of the board")]
+    CapturedUnseen {
+        /// The view, from 1.
+        view: usize,
+    },
+}
+
+/// The constraints on the views of a survey.
+///
+/// # Errors
+/// When a required pose is no view or in a region without poses.
+pub(super) fn constraints(problem: &Problem, survey: &Survey) -> Result<Constraints, ConstraintError> {
+    let PoseConstraints { required, forbidden, captured: _, keep_out, groups, joint_separation, view_separation } =
+        &problem.constraints;
+    let views = &survey.views;
+    // Views are in ascending order of their ids.
+    let place = |id: usize| views.binary_search_by_key(&id, |view| view.id).ok();
+    let mut indices = Vec::with_capacity(required.len());
+    for &id in required {
+        let i = place(id).ok_or(ConstraintError::NotAView { id, views: views.len() })?;
+        if let Some(region) = keep_out.iter().position(|region| region.contains(&views[i].q)) {
+            return Err(ConstraintError::KeptOut { id, region: region + 1 });
+        }
+        indices.push(i);
+    }
+    let within = |region: &crate::problem::JointRegion| -> Vec<usize> {
+        (0..views.len()).filter(|&i| region.contains(&views[i].q)).collect()
+    };
+    // A forbidden pose that is no view is out anyway.
+    let forbidden = forbidden.iter().filter_map(|&id| place(id)).chain(keep_out.iter().flat_map(within)).collect();
+    let caps = groups.iter().map(|group| Cap { members: within(&group.region), most: group.most }).collect();
+    let mut separations = Vec::new();
+    if *joint_separation > 0.0 {
+        let kinds: Vec<JointKind> = problem.robot.chain.joints.iter().map(|joint| joint.kind).collect();
+        let angles = |view: &View| {
+            let revolute = view.q.iter().zip(&kinds).filter(|(_, kind)| **kind == JointKind::Revolute);
+            revolute.map(|(&q, _)| q).collect()
+        };
+        separations.push(Separation { points: views.iter().map(angles).collect(), least: *joint_separation });
+    }
+    if *view_separation > 0.0 {
+        // Directions as unit vectors: an angle α is a chord of 2 sin(α/2).
+        let direction = |view: &View| -> Vec<f64> {
+            let toward: Vector3<f64> = view.X_CT.inverse().translation.vector.normalize();
+            toward.iter().copied().collect()
+        };
+        let least = 2.0 * (0.5 * view_separation).sin();
+        separations.push(Separation { points: views.iter().map(direction).collect(), least });
+    }
+    Ok(Constraints { required: indices, forbidden, caps, separations })
+}
+
+/// The p×p information that is known before the first pose is chosen: of the views taken already, and the standard
+/// deviations stated.
+///
+/// # Errors
+/// When a view taken does not see the board.
+pub(super) fn known(problem: &Problem) -> Result<DMatrix<f64>, ConstraintError> {
+    let p = problem.estimated.len();
+    let corners: Vec<_> = problem.target.board.corners().collect();
+    let measurement =
+        Measurement { camera: &problem.camera, corners: &corners, noise: problem.noise, estimated: &problem.estimated };
+    let mut known = DMatrix::zeros(p, p);
+    for &(j, sigma) in &problem.prior_sigma {
+        known[(j, j)] += sigma.powi(-2);
+    }
+    for (view, q) in problem.constraints.captured.iter().enumerate() {
+        let X_CT = problem.robot.camera_pose(q).inverse() * problem.target.X_BT;
+        let information = measurement.information(&X_CT).ok_or(ConstraintError::CapturedUnseen { view: view + 1 })?;
+        known += unpack(&information, p);
+    }
+    Ok(known)
+}

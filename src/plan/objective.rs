@@ -1,0 +1,213 @@
+//! What is optimised: the problem's criteria on the survey's views, in the terms of [`selection`](crate::selection).
+
+use std::borrow::Cow;
+
+use nalgebra::DMatrix;
+
+use super::survey::{Survey, SurveyError};
+use crate::information::packed::{pack, packed_len, unpack};
+use crate::information::{Criterion, InformationSet, Measurement, ZHANG_DIRECTIONS, diversity_set, pixel_units};
+use crate::problem::{Accuracy, Problem};
+use crate::selection::{Constraints, InformationFunction, Instance, SelectionError, Term};
+
+/// What `diversity` assumes known beforehand, as a share of one average view: enough to compare sets of fewer views than
+/// the ten numbers of its model, too little to weigh in larger ones.
+const DIVERSITY_PRIOR: f64 = 0.1;
+
+/// Criteria, each with its share, on the views of a survey.
+#[derive(Debug, Clone)]
+pub(super) struct Objective<'a> {
+    terms: Vec<ObjectiveTerm<'a>>,
+}
+
+#[derive(Debug, Clone)]
+struct ObjectiveTerm<'a> {
+    /// None for accuracies.
+    criterion: Option<Criterion>,
+    share: f64,
+    candidates: Cow<'a, InformationSet>,
+    prior: Option<DMatrix<f64>>,
+    function: InformationFunction,
+    /// Names of the parameters.
+    parameters: Vec<String>,
+}
+
+impl<'a> Objective<'a> {
+    /// The weighted geometric mean of `criteria`, shares beside them; `prior` is the p×p information on the intrinsics that
+    /// is known already.
+    ///
+    /// # Errors
+    /// When a view's corners do not fix what a criterion needs.
+    pub(super) fn new(
+        problem: &Problem,
+        survey: &'a Survey,
+        criteria: &[(Criterion, f64)],
+        prior: &DMatrix<f64>,
+    ) -> Result<Self, SurveyError> {
+        let terms: Result<Vec<_>, _> = criteria
+            .iter()
+            .map(|&(criterion, share)| ObjectiveTerm::new(problem, survey, criterion, share, prior))
+            .collect();
+        Ok(Self { terms: terms? })
+    }
+
+    /// The worst of the accuracies wished for, as a share: Φ ≥ 1 when all are reached.
+    pub(super) fn of_accuracies(
+        problem: &Problem,
+        survey: &'a Survey,
+        accuracies: &[(Accuracy, f64)],
+        prior: &DMatrix<f64>,
+    ) -> Self {
+        let weights: Vec<DMatrix<f64>> =
+            accuracies.iter().map(|&(accuracy, wished)| accuracy.weight(survey) / (wished * wished)).collect();
+        let term = ObjectiveTerm {
+            criterion: None,
+            share: 1.0,
+            candidates: Cow::Borrowed(&survey.information),
+            prior: Some(prior.clone()),
+            function: InformationFunction::worst_variance(&weights),
+            parameters: owned(&problem.estimated_names()),
+        };
+        Self { terms: vec![term] }
+    }
+
+    /// The problem of choosing `count` views.
+    ///
+    /// # Errors
+    /// As [`Instance::constrained`].
+    pub(super) fn instance(&self, count: usize, constraints: Constraints) -> Result<Instance<'_>, SelectionError> {
+        let terms: Vec<Term<'_>> = self
+            .terms
+            .iter()
+            .map(|term| Term {
+                candidates: &term.candidates,
+                prior: term.prior.as_ref(),
+                function: &term.function,
+                share: term.share,
+            })
+            .collect();
+        Instance::constrained(&terms, count, constraints)
+    }
+
+    /// log Φ of the views `selected`, whatever the constraints; −∞ if they leave a combination undetermined.
+    pub(super) fn log_value(&self, selected: &[usize]) -> f64 {
+        let log_value = |term: &ObjectiveTerm| {
+            let p = term.candidates.order();
+            let prior = term.prior.as_ref().map_or_else(|| vec![0.0; packed_len(p)], pack);
+            term.share * term.function.log_value(&mut term.candidates.total(&prior, selected), p)
+        };
+        self.terms.iter().map(log_value).sum()
+    }
+
+    /// Names of the parameters of a term.
+    pub(super) fn parameters(&self, term: usize) -> &[String] {
+        &self.terms[term].parameters
+    }
+
+    /// The criteria, their shares and their orders p, term by term.
+    pub(super) fn criteria(&self) -> impl Iterator<Item = (Option<Criterion>, f64, usize)> {
+        self.terms.iter().map(|term| (term.criterion, term.share, term.parameters.len()))
+    }
+
+    /// log Φ in the unit of a lone criterion: log det for `d` and `diversity`, a variance in px² for `a` and `v`, an
+    /// eigenvalue for `e` and `zhang`; of several criteria, Φ itself.
+    pub(super) fn natural(&self, log_value: f64) -> f64 {
+        match self.terms.as_slice() {
+            [term] => match term.criterion {
+                Some(Criterion::D | Criterion::Diversity) => log_value * term.parameters.len() as f64,
+                Some(Criterion::A | Criterion::V) => (-log_value).exp(),
+                Some(Criterion::E | Criterion::Zhang) | None => log_value.exp(),
+            },
+            _ => log_value.exp(),
+        }
+    }
+}
+
+impl std::fmt::Display for Objective<'_> {
+    /// `v`, or `0.8 v + 0.2 diversity`, or `accuracy`.
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        let criteria: Option<Vec<_>> =
+            self.terms.iter().map(|term| term.criterion.map(|criterion| (criterion, term.share))).collect();
+        f.write_str(&criteria.map_or_else(|| "accuracy".into(), |criteria| Criterion::describe(&criteria)))
+    }
+}
+
+impl<'a> ObjectiveTerm<'a> {
+    fn new(
+        problem: &Problem,
+        survey: &'a Survey,
+        criterion: Criterion,
+        share: f64,
+        prior: &DMatrix<f64>,
+    ) -> Result<Self, SurveyError> {
+        let names = owned(&problem.estimated_names());
+        let units = || pixel_units(&problem.camera, &problem.estimated);
+        let borrowed = Cow::Borrowed(&survey.information);
+        let poses = || survey.views.iter().map(|view| view.X_CT).collect::<Vec<_>>();
+        let term = |candidates, prior, function, parameters| Self {
+            criterion: Some(criterion),
+            share,
+            candidates,
+            prior,
+            function,
+            parameters,
+        };
+        Ok(match criterion {
+            Criterion::D => term(borrowed, Some(prior.clone()), InformationFunction::Determinant, names),
+            Criterion::V => {
+                let function = InformationFunction::variance(&survey.map_weight);
+                term(borrowed, Some(prior.clone()), function, names)
+            }
+            Criterion::A => {
+                let weight =
+                    DMatrix::from_diagonal(&units().into()).map(|unit| if unit > 0.0 { unit.powi(-2) } else { 0.0 });
+                term(borrowed, Some(prior.clone()), InformationFunction::variance(&weight), names)
+            }
+            Criterion::E => {
+                let units = units();
+                let D = DMatrix::from_diagonal(&units.clone().into());
+                let candidates = Cow::Owned(survey.information.scaled(&units));
+                term(candidates, Some(&D * prior * &D), InformationFunction::min_eigenvalue(), names)
+            }
+            Criterion::Zhang => {
+                let corners: Vec<_> = problem.target.board.corners().collect();
+                let measurement = Measurement {
+                    camera: &problem.camera,
+                    corners: &corners,
+                    noise: problem.noise,
+                    estimated: &problem.estimated,
+                };
+                let candidates = measurement.zhang_set(&poses()).ok_or(SurveyError::PoseUndetermined {
+                    columns: problem.target.board.columns,
+                    rows: problem.target.board.rows,
+                })?;
+                let function = InformationFunction::min_eigenvalue();
+                term(Cow::Owned(candidates), None, function, owned(&ZHANG_DIRECTIONS))
+            }
+            Criterion::Diversity => {
+                let (candidates, monomials) = diversity_set(&poses());
+                let prior = unpack(&candidates.mean(), monomials.len()) * DIVERSITY_PRIOR;
+                term(Cow::Owned(candidates), Some(prior), InformationFunction::Determinant, monomials)
+            }
+        })
+    }
+}
+
+fn owned(names: &[&str]) -> Vec<String> {
+    names.iter().map(|&name| name.to_owned()).collect()
+}
+
+impl Accuracy {
+    /// The p×p weight C of the accuracy's variance `tr(C cov θ)`.
+    fn weight(self, survey: &Survey) -> DMatrix<f64> {
+        let p = survey.information.order();
+        match self {
+            Accuracy::MapError => survey.map_weight.clone(),
+            Accuracy::Intrinsic(j) => {
+                let mut weight = DMatrix::zeros(p, p);
+                weight[(j, j)] = 1.0;
+                weight
+            }
+        }
+    }
+}

@@ -1,0 +1,191 @@
+//! What to select, and which sets are allowed.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use super::super::document::KeyPath;
+use super::super::fault::{Allowed, Reason};
+use super::super::schema;
+use super::super::shape::{Numbers, Range, TextOrTable};
+use super::super::{Accuracy, JointRegion, PoseConstraints, PoseGroup, SelectionSettings};
+use super::{Check, owned};
+use crate::information::Criterion;
+use crate::robot::{Joint, JointKind, Limits};
+
+/// Key of the map error among the accuracies.
+const MAP_ERROR: &str = "map_error_px";
+
+/// Standard deviations, wished for or known.
+const SIGMA: Allowed = Allowed::positive(1e9);
+
+impl Check<'_, '_> {
+    pub(super) fn selection(&mut self, selection: &schema::Selection, estimated: &[&str]) -> SelectionSettings {
+        let at = KeyPath::section("selection");
+        let time_limit = self.number(&at.key("time_limit_s"), selection.time_limit_s, Allowed::between(0.0, 1e6));
+        let nodes = Allowed::between(0.0, 1e12);
+        SelectionSettings {
+            criteria: self.criteria(&at.key("criterion"), &selection.criterion),
+            accuracies: self.accuracies(&at.key("accuracy"), &selection.accuracy, estimated),
+            method: selection.method.0,
+            count: selection.count as usize,
+            seed: selection.seed,
+            tolerance: self.number(&at.key("tolerance"), selection.tolerance, Allowed::between(1e-12, 0.1)),
+            time_limit: Duration::try_from_secs_f64(time_limit).unwrap_or_default(),
+            node_limit: self.number(&at.key("node_limit"), selection.node_limit as f64, nodes) as usize,
+        }
+    }
+
+    /// Shares are normalised to add up to one.
+    fn criteria(
+        &mut self,
+        path: &KeyPath,
+        criterion: &TextOrTable<super::super::named::Named<Criterion>, BTreeMap<String, f64>>,
+    ) -> Vec<(Criterion, f64)> {
+        let shares = match criterion {
+            TextOrTable::Text(criterion) => return vec![(criterion.0, 1.0)],
+            TextOrTable::Table(shares) => shares,
+        };
+        if shares.is_empty() {
+            self.fault(path, Reason::Empty);
+        }
+        let sum: f64 = shares.values().sum();
+        let mut criteria = Vec::new();
+        for (name, &share) in shares {
+            let key = path.key(name);
+            if let Some(criterion) = Criterion::ALL.into_iter().find(|criterion| criterion.name() == name) {
+                criteria.push((criterion, self.number(&key, share, Allowed::positive(1e6)) / sum));
+            } else {
+                let allowed = Criterion::ALL.map(Criterion::name);
+                self.fault(&key, Reason::UnknownName { name: name.clone(), allowed: owned(&allowed) });
+            }
+        }
+        criteria.sort_by_key(|&(criterion, _)| criterion);
+        criteria
+    }
+
+    fn accuracies(
+        &mut self,
+        path: &KeyPath,
+        wished: &BTreeMap<String, f64>,
+        estimated: &[&str],
+    ) -> Vec<(Accuracy, f64)> {
+        let mut accuracies = Vec::new();
+        for (name, &sigma) in wished {
+            let key = path.key(name);
+            let sigma = self.number(&key, sigma, SIGMA);
+            if name == MAP_ERROR {
+                accuracies.push((Accuracy::MapError, sigma));
+            } else if let Some(j) = estimated.iter().position(|known| known == name) {
+                accuracies.push((Accuracy::Intrinsic(j), sigma));
+            } else {
+                let allowed = std::iter::once(&MAP_ERROR).chain(estimated).map(|&name| name.to_owned()).collect();
+                self.fault(&key, Reason::UnknownName { name: name.clone(), allowed });
+            }
+        }
+        accuracies
+    }
+
+    pub(super) fn prior_sigma(&mut self, estimate: &schema::Estimate, estimated: &[&str]) -> Vec<(usize, f64)> {
+        let path = KeyPath::section("estimate").key("prior_sigma");
+        let mut known = Vec::new();
+        for (name, &sigma) in &estimate.prior_sigma {
+            let key = path.key(name);
+            match estimated.iter().position(|estimated| estimated == name) {
+                Some(j) => known.push((j, self.number(&key, sigma, SIGMA))),
+                None => self.fault(&key, Reason::UnknownName { name: name.clone(), allowed: owned(estimated) }),
+            }
+        }
+        known
+    }
+
+    pub(super) fn constraints(&mut self, constraints: &schema::Constraints, joints: &[Joint]) -> PoseConstraints {
+        let at = KeyPath::section("constraints");
+        let ids = |ids: &[u64]| ids.iter().map(|&id| id as usize).collect::<Vec<_>>();
+        let required = ids(&constraints.require);
+        for (i, id) in constraints.forbid.iter().enumerate() {
+            if constraints.require.contains(id) {
+                self.fault(&at.key("forbid").at(i), Reason::Conflict { with: "constraints.require" });
+            }
+        }
+        let captured = constraints.captured.iter().enumerate();
+        let captured = captured.map(|(i, q)| self.configuration(&at.key("captured").at(i), q, joints)).collect();
+        let keep_out = constraints.keep_out.iter().enumerate();
+        let keep_out =
+            keep_out.map(|(i, region)| self.region(&at.key("keep_out").at(i).key("joints"), &region.joints, joints));
+        let keep_out = keep_out.collect();
+        let mut groups: Vec<PoseGroup> = Vec::new();
+        for (i, group) in constraints.groups.iter().enumerate() {
+            let at = at.key("groups").at(i);
+            let name = group.name.trim().to_owned();
+            if name.is_empty() {
+                self.fault(&at.key("name"), Reason::Empty);
+            } else if groups.iter().any(|other| other.name == name) {
+                self.fault(&at.key("name"), Reason::Duplicate { name: name.clone() });
+            }
+            let region = self.region(&at.key("joints"), &group.joints, joints);
+            groups.push(PoseGroup { name, region, most: group.most as usize });
+        }
+        let mut separation = |key: &str, degrees: Option<f64>, most: f64| {
+            degrees.map_or(0.0, |degrees| self.angle(&at.key(key), degrees, Allowed::between(0.0, most)))
+        };
+        PoseConstraints {
+            required,
+            forbidden: ids(&constraints.forbid),
+            captured,
+            keep_out,
+            groups,
+            joint_separation: separation("joint_separation_deg", constraints.joint_separation_deg, 3600.0),
+            view_separation: separation("view_separation_deg", constraints.view_separation_deg, 180.0),
+        }
+    }
+
+    /// Baselines choose without looking at constraints.
+    pub(super) fn unconstrained_method(&mut self, selection: &SelectionSettings, constraints: &PoseConstraints) {
+        if !selection.method.heeds_constraints() && !constraints.allow_all() {
+            let reason = Reason::NotApplicable {
+                to: format!("method \"{}\"", selection.method.name()),
+                instead: "take another method, or leave the constraints out".into(),
+            };
+            self.fault(&KeyPath::section("constraints"), reason);
+        }
+    }
+
+    fn configuration(&mut self, path: &KeyPath, q: &[f64], joints: &[Joint]) -> Vec<f64> {
+        if q.len() != joints.len() && !joints.is_empty() {
+            self.fault(path, Reason::Length { found: q.len(), expected: joints.len(), per: "joint" });
+        }
+        q.iter().zip(joints).map(|(&value, joint)| joint_value(joint, value)).collect()
+    }
+
+    fn region(&mut self, path: &KeyPath, ranges: &BTreeMap<String, Range>, joints: &[Joint]) -> JointRegion {
+        if ranges.is_empty() {
+            self.fault(path, Reason::Empty);
+        }
+        let mut region = Vec::new();
+        for (name, &Numbers([min, max])) in ranges {
+            let key = path.key(name);
+            // Without a robot there is nothing to name.
+            if joints.is_empty() {
+                continue;
+            }
+            let Some(j) = joints.iter().position(|joint| joint.name == *name) else {
+                let allowed = joints.iter().map(|joint| joint.name.clone()).collect();
+                self.fault(&key, Reason::UnknownName { name: name.clone(), allowed });
+                continue;
+            };
+            if !(min <= max && min.is_finite() && max.is_finite()) {
+                self.fault(&key, Reason::Reversed { min, max });
+            }
+            region.push((j, Limits { min: joint_value(&joints[j], min), max: joint_value(&joints[j], max) }));
+        }
+        JointRegion(region)
+    }
+}
+
+/// A joint value in degrees or mm as rad or m.
+fn joint_value(joint: &Joint, value: f64) -> f64 {
+    match joint.kind {
+        JointKind::Revolute => value.to_radians(),
+        JointKind::Prismatic => value / 1e3,
+    }
+}
