@@ -6,7 +6,7 @@ use std::sync::Arc;
 use nalgebra::DMatrix;
 use thiserror::Error;
 
-use super::constraints::{Constraints, Rules};
+use super::constraints::{Cap, Constraints, Rules};
 use super::curvature::Curvature;
 use super::function::{Gradient, InformationFunction};
 use crate::information::packed::{dual, packed_len, unpack};
@@ -276,6 +276,11 @@ impl<'a> Instance<'a> {
     /// Whether candidate `i` may be chosen: neither required nor forbidden.
     pub fn is_open(&self, i: usize) -> bool {
         self.rules.is_open(i)
+    }
+
+    /// The caps given, then the cells of the separations, as a certificate's prices number them.
+    pub fn caps(&self) -> &[Cap] {
+        &self.rules.caps
     }
 
     pub(super) fn rules(&self) -> &Rules {
