@@ -163,7 +163,7 @@ fn contradictions_are_refused_and_say_what_to_do() {
         ("apart", format!("require = [{a}, {b}]\njoint_separation_deg = 3000"), "apart; the least separation is"),
         ("dead_end", "joint_separation_deg = 300".to_owned(), "the constraints allow no other"),
         ("none_left", "keep_out = [{ joints = { waist = [-300, 300] } }]".to_owned(), "0 allowed"),
-        ("captured", "captured = [[0, 0, 0, 0]]".to_owned(), "captured view 1"),
+        ("captured", "captured = [[0, 100, -10, 0]]".to_owned(), "captured view 1"),
         (
             "capped",
             format!("require = [{a}]\ngroups = [{{ name = \"g\", joints = {region}, most = 0 }}]"),

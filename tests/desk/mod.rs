@@ -9,12 +9,12 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 /// A problem that is solved in no time: the shipped one, swept coarsely.
-pub struct Desk {
+pub(crate) struct Desk {
     folder: TempDir,
 }
 
 impl Desk {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let desk = Self { folder: tempfile::tempdir().unwrap() };
         std::fs::copy("problems/servosila-engineer.toml", desk.path("coarse.toml")).unwrap();
         desk.change("coarse.toml", &[("step_deg = 8", "step_deg = 15")]);
@@ -22,7 +22,7 @@ impl Desk {
     }
 
     /// Writes the coarse problem under another name, with some of its text replaced.
-    pub fn change(&self, name: &str, replacements: &[(&str, &str)]) {
+    pub(crate) fn change(&self, name: &str, replacements: &[(&str, &str)]) {
         let mut text = std::fs::read_to_string(self.path("coarse.toml")).unwrap();
         for (from, to) in replacements {
             assert!(text.contains(from), "{from}");
@@ -31,35 +31,35 @@ impl Desk {
         std::fs::write(self.path(name), text).unwrap();
     }
 
-    pub fn path(&self, name: &str) -> PathBuf {
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
     /// The program in this folder with arguments as typed.
-    pub fn command(&self, line: &str) -> Command {
+    pub(crate) fn command(&self, line: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_calipose"));
         command.current_dir(self.folder.path()).args(line.split_whitespace()).stdin(Stdio::null());
         command
     }
 
-    pub fn run(&self, line: &str) -> Output {
+    pub(crate) fn run(&self, line: &str) -> Output {
         self.command(line).output().unwrap()
     }
 
     /// What a command that must succeed prints.
-    pub fn stdout(&self, line: &str) -> String {
+    pub(crate) fn stdout(&self, line: &str) -> String {
         let output = self.run(line);
         assert_eq!(output.status.code(), Some(0), "{line}: {}", text(&output.stderr));
         assert_eq!(text(&output.stderr), "", "{line}");
         text(&output.stdout)
     }
 
-    pub fn json(&self, line: &str) -> Value {
+    pub(crate) fn json(&self, line: &str) -> Value {
         serde_json::from_str(&self.stdout(line)).unwrap()
     }
 
     /// What a command that must fail with `code` complains of; stdout must stay empty.
-    pub fn complaint(&self, line: &str, code: i32) -> String {
+    pub(crate) fn complaint(&self, line: &str, code: i32) -> String {
         let output = self.run(line);
         assert_eq!(output.status.code(), Some(code), "{line}: {}", text(&output.stderr));
         assert_eq!(text(&output.stdout), "", "{line}");
@@ -68,7 +68,7 @@ impl Desk {
         text(&output.stderr).replace('│', " ").split_whitespace().collect::<Vec<_>>().join(" ")
     }
 
-    pub fn files(&self, folder: &str) -> Vec<String> {
+    pub(crate) fn files(&self, folder: &str) -> Vec<String> {
         let entries = std::fs::read_dir(self.path(folder)).unwrap();
         let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
         names.sort();
@@ -77,6 +77,6 @@ impl Desk {
 }
 
 /// Bytes that must be UTF-8.
-pub fn text(bytes: &[u8]) -> String {
+pub(crate) fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
