@@ -54,6 +54,12 @@ pub(super) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<(), 
         return Err(Failure::Usage("--count is 0; a plan has at least one pose".into()));
     }
     selection.method = arguments.method.unwrap_or(selection.method);
+    if !selection.method.heeds_constraints() && !problem.constraints.allow_all() {
+        let method = selection.method.name();
+        return Err(Failure::Usage(format!(
+            "--method {method} does not look at the file's [constraints]; take another"
+        )));
+    }
     if let Some(output) = &arguments.output {
         problem.output.clone_from(output);
     }
