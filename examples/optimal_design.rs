@@ -23,7 +23,7 @@ use rand_xoshiro::Xoshiro256Plus;
 const P: usize = 9;
 
 /// Time that a search for the proven best set may take.
-const PATIENCE: Duration = Duration::from_secs(60);
+const PATIENCE: Duration = Duration::from_mins(1);
 
 /// How a candidate's matrix is drawn.
 #[derive(Debug, Clone, Copy)]
