@@ -63,7 +63,7 @@ impl Disturbance {
             triple(self.mount_translation).into(),
             UnitQuaternion::from_scaled_axis(triple(self.mount_rotation)),
         );
-        let robot = Robot { chain: robot.chain.clone(), X_FC: robot.X_FC * mount };
+        let robot = Robot { X_FC: robot.X_FC * mount, ..robot.clone() };
         let mut pose = |q: &Vec<f64>| {
             let joints = robot.chain.joints.iter().zip(q);
             let q: Vec<f64> = joints
