@@ -40,12 +40,12 @@ fn information(bench: &mut Bench) {
     let problem = servosila();
     let survey = survey(&problem, &|_| {}).expect("the shipped problem has views");
     let corners: Vec<_> = problem.target.board.corners().collect();
-    let poses: Vec<_> = survey.views.iter().map(|view| view.X_CT).collect();
+    let views: Vec<_> = survey.views.iter().map(|view| (&view.X_CT, &view.seen)).collect();
     let measurement =
         Measurement { camera: &problem.camera, corners: &corners, noise: problem.noise, estimated: &problem.estimated };
     let mut group = bench.benchmark_group("information");
-    group.throughput(Throughput::Elements(poses.len() as u64));
-    group.bench_function("servosila", |b| b.iter(|| measurement.information_set(black_box(&poses))));
+    group.throughput(Throughput::Elements(views.len() as u64));
+    group.bench_function("servosila", |b| b.iter(|| measurement.information_set(black_box(views.clone()))));
     group.finish();
 }
 

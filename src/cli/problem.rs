@@ -7,7 +7,7 @@ use serde_json::json;
 use super::WRITING;
 use super::failure::Failure;
 use super::screen::{Screen, grouped, short};
-use crate::feasibility::{View, visible_views};
+use crate::feasibility::{View, feasible_views};
 use crate::plan::write_atomically;
 use crate::problem::{Problem, STARTER, schema_json};
 use crate::sweep::{AxisRule, JointSpace};
@@ -24,7 +24,8 @@ const VIEW_TIME: f64 = 1e-5;
 
 pub(super) fn check(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
     let problem = Problem::read(file)?;
-    let Problem { robot, camera, target, space, visibility, .. } = &problem;
+    let Problem { robot, target, space, .. } = &problem;
+    let checks = problem.checks();
     let total = space.len();
     let pilot: Vec<usize> = if total <= PILOT {
         (0..total).collect()
@@ -32,7 +33,7 @@ pub(super) fn check(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
         // Golden-section steps: an even stride would be in step with the grid and see one value of the inner joints.
         (0..PILOT).map(|i| ((i as f64 * 0.618_033_988_749_895).fract() * total as f64) as usize).collect()
     };
-    let (mut views, _) = visible_views(robot, camera, target, visibility, space, &pilot);
+    let (mut views, _) = feasible_views(&checks, space, &pilot);
     if problem.axis == AxisRule::Zone {
         let meets_zone = |view: &View| {
             let point_T = view.target_point().map(|point| target.X_BT.inverse() * point);

@@ -1,9 +1,10 @@
 //! The survey: all that is known of the candidates before any is chosen.
 
 use nalgebra::DMatrix;
+use rayon::prelude::*;
 use thiserror::Error;
 
-use crate::feasibility::{Rejection, View, visible_views};
+use crate::feasibility::{Rejection, View, feasible_views};
 use crate::information::{InformationSet, Measurement, map_error_weight};
 use crate::problem::Problem;
 use crate::sweep::{Sweep, sweep};
@@ -70,15 +71,14 @@ pub fn survey(problem: &Problem, observe: &(dyn Fn(usize) + Sync)) -> Result<Sur
     if sweep.candidates.is_empty() {
         return Err(SurveyError::NoCandidates { swept: sweep.swept });
     }
-    let (views, rejected) = visible_views(robot, camera, target, &problem.visibility, space, &sweep.candidates);
+    let (views, rejected) = feasible_views(&problem.checks(), space, &sweep.candidates);
     if views.is_empty() {
         return Err(SurveyError::NoViews { candidates: sweep.candidates.len(), rejected });
     }
     let corners: Vec<_> = target.board.corners().collect();
     let measurement = Measurement { camera, corners: &corners, noise: problem.noise, estimated: &problem.estimated };
-    let poses: Vec<_> = views.iter().map(|view| view.X_CT).collect();
     let information = measurement
-        .information_set(&poses)
+        .information_set(views.par_iter().map(|view| (&view.X_CT, &view.seen)))
         .ok_or(SurveyError::PoseUndetermined { columns: target.board.columns, rows: target.board.rows })?;
     let map_weight = map_error_weight(camera, &problem.estimated);
     Ok(Survey { sweep, views, rejected, information, map_weight })

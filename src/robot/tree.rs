@@ -123,6 +123,13 @@ impl Motion {
 }
 
 impl Tree {
+    /// Adds a link `name` with one body, fixed to link `parent` at `X_PJ`, and returns its number.
+    pub fn attach(&mut self, name: &str, parent: usize, X_PJ: Pose, body: Body) -> usize {
+        let motion = Motion::Fixed;
+        self.links.push(Link { name: name.into(), parent: Some(parent), X_PJ, motion, bodies: vec![body], mass: None });
+        self.links.len() - 1
+    }
+
     /// Poses `X_BL` of all links at joint values `q` (rad or m).
     pub fn link_poses(&self, q: &[f64]) -> Vec<Pose> {
         let mut poses: Vec<Pose> = Vec::with_capacity(self.links.len());
