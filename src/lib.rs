@@ -7,7 +7,7 @@
 //! ```
 //!
 //! 1. [`sweep`]: forward kinematics of every joint configuration; which optical axes meet the marker zone.
-//! 2. [`feasibility`]: from which of them the camera sees the whole board.
+//! 2. [`feasibility`]: from which of them the camera sees the board, and which the robot can take.
 //! 3. [`information`]: what each view would teach about the camera's intrinsics (Fisher information).
 //! 4. [`selection`]: the k views that together teach most, and a certificate that bounds every other choice.
 //! 5. [`mod@plan`]: the poses, their predicted accuracy, and the files.

@@ -2,14 +2,16 @@
 
 use std::path::Path;
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::WRITING;
 use super::failure::Failure;
+use super::plan::what_views_do;
 use super::screen::{Screen, grouped, short};
-use crate::feasibility::{View, feasible_views};
+use crate::feasibility::{Checks, LinkPair, LinkPairs, View, feasible_views};
 use crate::plan::write_atomically;
 use crate::problem::{Problem, STARTER, schema_json};
+use crate::robot::PointMass;
 use crate::sweep::{AxisRule, JointSpace};
 use crate::target::AxisCase;
 
@@ -67,16 +69,20 @@ pub(super) fn check(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
             "estimated_views": seen,
             "estimated_seconds": seconds,
             "estimated_memory_mb": megabytes,
+            "self_collision": self_collision(&problem, &checks),
+            "mass_kg": center_of_mass(&problem).map(|center| center.mass),
         })
         .to_string(),
     )?;
     screen.text(&format!(
-        "{}: valid.\n{} joints, {space_text}.\nAbout {} of them see the whole board (from {} tried).\n`calipose plan` would \
+        "{}: valid.\n{} joints, {space_text}.\n{}About {} of them {} (from {} tried).\n`calipose plan` would \
          choose {} poses by `{}` for criterion `{}`, estimating {}, and write to {}.\nIt would take about {} s and {} MB on \
          this machine.",
         problem.name,
         robot.chain.dof(),
+        tests_text(&problem, &checks),
         grouped(seen),
+        what_views_do(&problem),
         grouped(pilot.len()),
         selection.count,
         selection.method.name(),
@@ -86,6 +92,68 @@ pub(super) fn check(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
         short(seconds),
         megabytes,
     ))
+}
+
+/// Centre of mass where the joints are in the middle of their ranges; its mass is that of any configuration.
+fn center_of_mass(problem: &Problem) -> Option<PointMass> {
+    let joints = &problem.robot.chain.joints;
+    let q: Vec<f64> = joints.iter().map(|joint| f64::midpoint(joint.limits.min, joint.limits.max)).collect();
+    let tree = &problem.robot.tree;
+    tree.center_of_mass(&tree.link_poses(&q))
+}
+
+/// The pairs of links by what is done about them; null for robots without bodies.
+fn self_collision(problem: &Problem, checks: &Checks) -> Value {
+    let name = |link: usize| problem.robot.tree.links[link].name.as_str();
+    let names = |pairs: &[LinkPair]| pairs.iter().map(|&[a, b]| json!([name(a), name(b)])).collect::<Value>();
+    let links = checks.collision().links();
+    if *links == LinkPairs::default() {
+        return Value::Null;
+    }
+    let never: Vec<LinkPair> = links.tested.iter().filter(|(_, share)| *share == 0.0).map(|&(pair, _)| pair).collect();
+    let tested = links.tested.iter().map(|&([a, b], share)| json!({ "links": [name(a), name(b)], "share": share }));
+    json!({
+        "clearance_mm": problem.clearance * 1e3,
+        "adjacent": names(&links.adjacent),
+        "ignored": names(&links.disabled),
+        "always_in_contact": names(&links.always),
+        "never_seen": names(&never),
+        "tested": tested.collect::<Value>(),
+    })
+}
+
+/// What is tested besides visibility, in lines.
+fn tests_text(problem: &Problem, checks: &Checks) -> String {
+    let mut text = String::new();
+    let links = checks.collision().links();
+    if *links != LinkPairs::default() {
+        let name = |link: usize| problem.robot.tree.links[link].name.as_str();
+        let list = |pairs: &mut dyn Iterator<Item = LinkPair>| {
+            let pairs: Vec<String> = pairs.map(|[a, b]| format!("{}–{}", name(a), name(b))).collect();
+            if pairs.is_empty() { "none".into() } else { pairs.join(", ") }
+        };
+        let of =
+            |test: fn(f64) -> bool| links.tested.iter().filter(move |(_, share)| test(*share)).map(|&(pair, _)| pair);
+        text += &format!(
+            "Self-collision, clearance {} mm; pairs of links within it in some of 1000 random configurations: {}; in none, but \
+             tested: {}. Not tested, adjacent: {}; always in contact: {}; ignored: {}.\n",
+            short(problem.clearance * 1e3),
+            list(&mut of(|share| share > 0.0)),
+            list(&mut of(|share| share == 0.0)),
+            list(&mut links.adjacent.iter().copied()),
+            list(&mut links.always.iter().copied()),
+            list(&mut links.disabled.iter().copied()),
+        );
+    }
+    if let (Some(stability), Some(center)) = (&problem.stability, center_of_mass(problem)) {
+        text += &format!(
+            "Stability: {} kg over a support polygon of {} corners, margin {} mm.\n",
+            short(center.mass),
+            stability.polygon().len(),
+            short(stability.margin * 1e3),
+        );
+    }
+    text
 }
 
 pub(super) fn init(file: &Path, screen: &mut Screen) -> Result<(), Failure> {

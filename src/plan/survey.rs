@@ -14,7 +14,7 @@ use crate::sweep::{Sweep, sweep};
 pub struct Survey {
     /// What the sweep found.
     pub sweep: Sweep,
-    /// The candidates that see the board.
+    /// The candidates that passed every check.
     pub views: Vec<View>,
     /// Candidates rejected, by the reasons of [`Rejection::ALL`].
     pub rejected: [usize; Rejection::ALL.len()],
@@ -33,8 +33,8 @@ pub enum SurveyError {
         /// Configurations swept.
         swept: usize,
     },
-    /// No candidate sees the board.
-    #[error("none of the {candidates} candidates sees the whole board; rejected: {}", describe_rejections(rejected))]
+    /// No candidate passes every check.
+    #[error("none of the {candidates} candidates is a view; rejected: {}", describe_rejections(rejected))]
     NoViews {
         /// Candidates that passed the sweep.
         candidates: usize,
