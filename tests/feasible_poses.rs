@@ -1,6 +1,6 @@
 //! Poses that the robot can take, on the shipped Servosila problem with bodies and masses (whose shapes are assumed).
 
-#![allow(clippy::unwrap_used)]
+#![allow(non_snake_case, clippy::unwrap_used)]
 
 use std::path::Path;
 
