@@ -8,7 +8,7 @@ use super::WRITING;
 use super::failure::Failure;
 use super::plan::what_views_do;
 use super::screen::{Screen, grouped, short};
-use crate::feasibility::{Checks, LinkPair, LinkPairs, View, feasible_views};
+use crate::feasibility::{Checks, LinkPair, LinkPairs, Rejection, View, feasible_views};
 use crate::plan::write_atomically;
 use crate::problem::{Problem, STARTER, schema_json};
 use crate::robot::PointMass;
@@ -24,6 +24,9 @@ const SWEEP_RATE: f64 = 5e7;
 /// Seconds to test one candidate's view and weigh its information, conservatively.
 const VIEW_TIME: f64 = 1e-5;
 
+/// Seconds to test one visible candidate for collision and occlusion.
+const BODY_TIME: f64 = 1e-4;
+
 pub(super) fn check(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
     let problem = Problem::read(file)?;
     let Problem { robot, target, space, .. } = &problem;
@@ -35,7 +38,8 @@ pub(super) fn check(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
         // Golden-section steps: an even stride would be in step with the grid and see one value of the inner joints.
         (0..PILOT).map(|i| ((i as f64 * 0.618_033_988_749_895).fract() * total as f64) as usize).collect()
     };
-    let (mut views, _) = feasible_views(&checks, space, &pilot);
+    let (mut views, rejected) = feasible_views(&checks, space, &pilot);
+    let visible = views.len() + rejected[Rejection::Unstable as usize..].iter().sum::<usize>();
     if problem.axis == AxisRule::Zone {
         let meets_zone = |view: &View| {
             let point_T = view.target_point().map(|point| target.X_BT.inverse() * point);
@@ -49,7 +53,9 @@ pub(super) fn check(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
     let cores = rayon::current_num_threads() as f64;
     // With the axis test the sweep hands on few; without it every configuration's view is tested.
     let tested = if problem.axis == AxisRule::Any { total } else { (0.1 * total as f64) as usize };
-    let seconds = (total as f64 / SWEEP_RATE + tested as f64 * VIEW_TIME) / cores + 0.5;
+    let with_bodies = if checks.has_bodies() { visible as f64 / pilot.len() as f64 * total as f64 } else { 0.0 };
+    let work = total as f64 / SWEEP_RATE + tested as f64 * VIEW_TIME + with_bodies * BODY_TIME;
+    let seconds = work / cores + 0.5;
     let per_view = 8 * (robot.chain.dof() + 20 + p * (p + 1) / 2);
     let megabytes = ((tested * 8 + 2 * seen * per_view) as f64 / 1e6).ceil() + 30.0;
     let space_text = match space {

@@ -209,6 +209,29 @@ mod tests {
         ]
     }
 
+    /// Shapes whose distance to a point has a closed form.
+    fn rounded_shape() -> impl Strategy<Value = Shape> {
+        shape().prop_filter("hulls have none", |shape| !matches!(shape, Shape::Convex { .. }))
+    }
+
+    /// Distance of a point outside from the shape; not positive inside.
+    fn distance_to_point(shape: &Shape, p: &Point3<f64>) -> f64 {
+        let outside = |over: [f64; 3]| {
+            let inside = over.iter().copied().fold(f64::NEG_INFINITY, f64::max).min(0.0);
+            inside + Vector3::from(over.map(|o| o.max(0.0))).norm()
+        };
+        let aside = p.x.hypot(p.y);
+        match shape {
+            Shape::Box { half_extents } => outside([0, 1, 2].map(|i| p[i].abs() - half_extents[i])),
+            Shape::Cylinder { radius, length } => {
+                outside([aside - radius, p.z.abs() - length / 2.0, f64::NEG_INFINITY])
+            }
+            Shape::Sphere { radius } => p.coords.norm() - radius,
+            Shape::Capsule { radius, length } => aside.hypot((p.z.abs() - length / 2.0).max(0.0)) - radius,
+            Shape::Convex { .. } => f64::NAN,
+        }
+    }
+
     /// Boxes are apart exactly if one of fifteen axes separates them (Gottschalk, Lin & Manocha 1996): the greatest gap
     /// along these, which the distance is no smaller than.
     fn gap_along_fifteen_axes(a: &Vector3<f64>, X_12: &Pose, b: &Vector3<f64>) -> f64 {
@@ -241,16 +264,45 @@ mod tests {
             prop_assert_eq!(one.is_within(0.0, &two), apart <= 0.0);
         }
 
-        /// No point of one is within the gap of the other, and moving one by the gap along some direction makes them meet.
+        /// In closed form: how far a point is from each shape.
         #[test]
-        fn gaps_are_attained(a in shape(), b in shape(), X_B1 in pose(), X_B2 in pose()) {
+        fn balls_are_as_far_as_their_middles_less_their_radius(
+            shape in rounded_shape(), X_BG in pose(), p in prop::array::uniform3(-0.5..0.5f64), ball in 0.01..0.1f64,
+        ) {
+            let X_BP = Pose::translation(p[0], p[1], p[2]);
+            let distance = distance_to_point(&shape, &(X_BG.inverse() * Point3::from(p))) - ball;
+            let (one, two) = (solid(shape), solid(Shape::Sphere { radius: ball }));
+            let (one, two) = (placed(&one, X_BG), placed(&two, X_BP));
+            if distance > 0.0 {
+                prop_assert!((one.gap(&two) - distance).abs() < 1e-6, "{} {distance}", one.gap(&two));
+            }
+            prop_assume!(distance.abs() > 1e-6);
+            prop_assert_eq!(one.is_within(0.0, &two), distance < 0.0);
+            prop_assert_eq!(one.is_within(0.05, &two), distance < 0.05);
+            prop_assert_eq!(one.holds(&Point3::from(p)), distance + ball <= 0.0);
+        }
+
+        /// No two points of the solids are nearer than the gap, which is the same both ways and what verdicts go by.
+        #[test]
+        fn gaps_bound_the_distance_of_any_two_points(
+            a in shape(), b in shape(), X_B1 in pose(), X_B2 in pose(), dirs in prop::collection::vec(pose(), 20),
+        ) {
             let (one, two) = (solid(a), solid(b));
             let (one, two) = (placed(&one, X_B1), placed(&two, X_B2));
             let gap = one.gap(&two);
             prop_assert!((gap - two.gap(&one)).abs() < 1e-6 || gap.max(two.gap(&one)) < 1e-6);
+            let point = |solid: &Placed, dir: &Vector3<f64>| {
+                let dir_G = solid.X_BG.rotation.inverse() * dir;
+                solid.X_BG * solid.solid.core.local_support_point(&dir_G) + dir * solid.solid.radius
+            };
+            let dirs: Vec<Vector3<f64>> = dirs.iter().map(|X| X.rotation * Vector3::x()).collect();
+            for u in &dirs {
+                for v in &dirs {
+                    prop_assert!((point(&one, u) - point(&two, v)).norm() > gap - 1e-12);
+                }
+            }
             if gap > 1e-6 {
-                prop_assert!(!one.is_within(gap - 1e-6, &two));
-                prop_assert!(one.is_within(gap + 1e-5, &two));
+                prop_assert!(!one.is_within(gap - 1e-6, &two) && one.is_within(gap + 1e-5, &two));
             } else {
                 prop_assert!(one.is_within(1e-5, &two));
             }

@@ -144,6 +144,11 @@ impl<'a> Checks<'a> {
         }
     }
 
+    /// Whether the robot has bodies, that may collide or hide corners.
+    pub fn has_bodies(&self) -> bool {
+        !self.occlusion.is_empty()
+    }
+
     /// The test for self-collision.
     pub fn collision(&self) -> &SelfCollision {
         &self.collision
@@ -158,7 +163,7 @@ impl<'a> Checks<'a> {
         let X_CT = X_BC.inverse() * self.target.X_BT;
         let mut seen = visible_corners(self.camera, self.target, self.visibility, &self.corners, &X_CT)?;
         let mut stability_margin = None;
-        if self.stability.is_some() || !self.occlusion.is_empty() {
+        if self.stability.is_some() || self.has_bodies() {
             let X_BL = self.robot.tree.link_poses(&q);
             stability_margin = self.stable(&X_BL)?;
             if self.collision.collides(&X_BL) {
