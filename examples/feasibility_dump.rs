@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use calipose::problem::Problem;
-use calipose::robot::{Body, JointKind, Link, Motion, Shape};
+use calipose::robot::{Body, JointKind, Limits, Link, Motion, Shape};
 use calipose::spatial::Pose;
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -53,31 +53,56 @@ fn link(link: &Link) -> Value {
     })
 }
 
+/// Joint values drawn evenly from the limits.
+fn random(problem: &Problem, count: usize) -> Vec<Vec<f64>> {
+    let mut rng = Xoshiro256PlusPlus::seed_from_u64(20);
+    let mut value = |limits: Limits| rng.gen_range(limits.min..=limits.max);
+    let joints = &problem.robot.chain.joints;
+    (0..count).map(|_| joints.iter().map(|joint| value(joint.limits)).collect()).collect()
+}
+
+/// Configurations just before and just in collision: on the way between one that collides and one that does not, each within
+/// a ten-thousandth of the way of where the verdict changes.
+fn borderline(configurations: &[Vec<f64>], collides: impl Fn(&[f64]) -> bool) -> Vec<Vec<f64>> {
+    let (inside, outside): (Vec<_>, Vec<_>) = configurations.iter().partition(|q| collides(q));
+    let mut found = Vec::new();
+    for (a, b) in inside.into_iter().zip(outside) {
+        let at = |t: f64| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a + t * (b - a)).collect() };
+        let (mut low, mut high) = (0.0, 1.0);
+        while high - low > 1e-4 {
+            let middle = f64::midpoint(low, high);
+            if collides(&at(middle)) { low = middle } else { high = middle }
+        }
+        found.extend([at(low), at(high)]);
+    }
+    found
+}
+
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let [file, count] = &arguments[..] else { panic!("usage: feasibility_dump FILE COUNT") };
     let problem = Problem::read(Path::new(file)).map_err(miette::Report::new).unwrap();
     let (tree, checks) = (&problem.robot.tree, problem.checks());
     let collision = checks.collision();
-    let mut rng = Xoshiro256PlusPlus::seed_from_u64(20);
-    let configurations = (0..count.parse().unwrap()).map(|_| {
-        let limits = problem.robot.chain.joints.iter().map(|joint| joint.limits);
-        let q: Vec<f64> = limits.map(|limits| rng.gen_range(limits.min..=limits.max)).collect();
-        let X_BL = tree.link_poses(&q);
+    let collides = |q: &[f64]| collision.collides(&tree.link_poses(q));
+    let mut configurations = random(&problem, count.parse().unwrap());
+    let borderline = borderline(&configurations, collides);
+    configurations.extend(borderline);
+    let answers = configurations.iter().map(|q| {
+        let X_BL = tree.link_poses(q);
         json!({
             "q": q,
-            "collides": collision.collides(&X_BL),
+            "collides": collides(q),
             "gaps": collision.gaps(&X_BL).iter().map(|(_, gap)| gap).collect::<Vec<_>>(),
             "center_of_mass": tree.center_of_mass(&X_BL).map(|m| m.center.coords.as_slice().to_vec()),
         })
     });
-    let configurations: Vec<Value> = configurations.collect();
     let document = json!({
         "problem": problem.name,
         "clearance": problem.clearance,
         "links": tree.links.iter().map(link).collect::<Value>(),
         "pairs": collision.links().tested.iter().map(|(pair, _)| pair).collect::<Vec<_>>(),
-        "configurations": configurations,
+        "configurations": answers.collect::<Value>(),
     });
     println!("{document}");
 }

@@ -3,8 +3,9 @@
     python tests/cross_check/self_collision.py [FILE] [COUNT]
 
 Makes a virtual environment with mujoco and coal from PyPI (in $CROSS_CHECK_VENV, or a temporary folder), lets
-`examples/feasibility_dump.rs` print the model and calipose's answers for COUNT (10 000) random configurations, builds the
-same robot as MJCF, and compares configuration by configuration:
+`examples/feasibility_dump.rs` print the model and calipose's answers for COUNT (10 000) random configurations and for
+pairs of them moved to either side of where the verdict changes, builds the same robot as MJCF, and compares configuration
+by configuration:
 
 - distances of every tested pair of links, where they are apart: MuJoCo's kinematics, MuJoCo's and coal's distances. A
   distance is wrong if it contradicts both (MuJoCo 4.0.0 at times finds a capsule apart from a box that it pierces);
