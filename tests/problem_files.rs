@@ -144,10 +144,28 @@ fn whole_numbers_stand_for_fractions_and_line_ends_may_be_windows() {
     assert_ne!(windows.sha256, unix.sha256);
 }
 
+/// What the starter shows as comments of bodies, masses and the tests made with them is right.
+#[test]
+fn the_bodies_that_the_starter_shows_are_right() {
+    let mut shown = STARTER.to_owned();
+    for line in STARTER.lines() {
+        let starts =
+            ["# [[robot.", "# link", "# capsule", "# pose = { position_mm = [0, 0, -150", "# mass", "# center_mm"];
+        let more = ["# [collision]", "# clearance", "# [stability]", "# support", "# margin_mm"];
+        if starts.iter().chain(&more).any(|start| line.starts_with(start)) {
+            shown = shown.replacen(&format!("\n{line}\n"), &format!("\n{}\n", &line[2..]), 1);
+        }
+    }
+    let problem = load(&shown);
+    let tree = &problem.robot.tree;
+    assert_eq!(tree.links.iter().map(|link| link.bodies.len()).sum::<usize>(), 2, "the waist's and the board");
+    assert_eq!(tree.center_of_mass(&tree.link_poses(&[0.0; 6])).unwrap().mass, 8.0);
+    assert_eq!((problem.clearance, problem.stability.unwrap().margin), (0.0, 0.0));
+}
+
 #[test]
 fn bodies_masses_and_ground_in_metres_on_their_links() {
-    let text = STARTER.replace("name = \"base\"", "name = \"column\"");
-    let text = text.replace(
+    let text = STARTER.replace(
         "[sweep]",
         r#"
         [[robot.bodies]]
@@ -155,7 +173,7 @@ fn bodies_masses_and_ground_in_metres_on_their_links() {
         box_mm = [400, 300, 200]
         pose = { position_mm = [0, 0, 100] }
         [[robot.bodies]]
-        link = "column"
+        link = "waist"
         capsule_mm = [60, 300]
         [camera.housing]
         sphere_mm = 30
@@ -180,7 +198,7 @@ fn bodies_masses_and_ground_in_metres_on_their_links() {
     let tree = &problem.robot.tree;
     let number = |name: &str| tree.links.iter().position(|link| link.name == name).unwrap();
     assert_eq!(tree.links[0].bodies[0].shape, Shape::Box { half_extents: Vector3::new(0.2, 0.15, 0.1) });
-    assert_eq!(tree.links[number("column")].bodies[0].shape, Shape::Capsule { radius: 0.06, length: 0.3 });
+    assert_eq!(tree.links[number("waist")].bodies[0].shape, Shape::Capsule { radius: 0.06, length: 0.3 });
     let mass = tree.links[0].mass.unwrap();
     assert_eq!(mass.mass, 40.0);
     assert!((mass.center - Point3::new(0.03, 0.0, 0.04)).norm() < 1e-15);
@@ -199,10 +217,10 @@ fn bodies_masses_and_ground_in_metres_on_their_links() {
     let Shape::Box { half_extents } = body.shape else { panic!("{:?}", body.shape) };
     assert!((half_extents - Vector3::new(0.125, 0.0875, 0.0025)).norm() < 1e-15);
     assert_eq!(body.X_LG.translation.vector.z, -0.0025);
-    // The camera is no neighbour of the column: the arm between has no bodies, but five joints.
+    // The camera is no neighbour of the waist: the arm between has no bodies, but five joints.
     let links = problem.checks().collision().links().clone();
     let pair = |a: &str, b: &str| [number(a), number(b)];
-    assert_eq!(links.adjacent, [pair("base", "column"), pair("base", "board")]);
+    assert_eq!(links.adjacent, [pair("base", "waist"), pair("base", "board")]);
     assert_eq!(links.disabled, [pair("camera", "board")]);
 }
 

@@ -17,7 +17,8 @@ pub type LinkPair = [usize; 2];
 /// The pairs of links that have bodies, by what is done about them. Each list is ascending.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LinkPairs {
-    /// Not tested: joined by at most one moving joint, without a body between.
+    /// Not tested: they never move against each other, or one is the other's nearest ancestor with bodies and at most one moving
+    /// joint is between.
     pub adjacent: Vec<LinkPair>,
     /// Not tested: disabled by the robot's description.
     pub disabled: Vec<LinkPair>,
@@ -126,33 +127,32 @@ fn samples(limits: &[Limits]) -> Vec<Vec<f64>> {
     (0..SAMPLES).map(|_| limits.iter().map(&mut value).collect()).collect()
 }
 
-/// The pairs of links with bodies that are joined by at most one moving joint and by links without bodies.
+/// The pairs of links with bodies that never move against each other, or that are neighbours: one the nearest ancestor with
+/// bodies of the other, and at most one moving joint between.
 fn adjacent(tree: &Tree) -> Vec<LinkPair> {
-    let moves = |link: usize| usize::from(tree.links[link].motion != Motion::Fixed);
-    let mut pairs = Vec::new();
-    for (start, link) in tree.links.iter().enumerate() {
-        if link.bodies.is_empty() {
-            continue;
+    let is_bodied = |link: usize| !tree.links[link].bodies.is_empty();
+    let moves = |link: usize| tree.links[link].motion != Motion::Fixed;
+    // The link that a link is rigidly joined to and that itself moves, or the root.
+    let mover = |mut link: usize| {
+        while let (false, Some(parent)) = (moves(link), tree.links[link].parent) {
+            link = parent;
         }
-        // Links still to be left, how many moving joints lie on the way there, and where the way came from.
-        let mut open = vec![(start, 0, start)];
-        while let Some((here, joints, from)) = open.pop() {
-            let up = tree.links[here].parent.map(|parent| (parent, joints + moves(here)));
-            let children = (0..tree.links.len()).filter(|&i| tree.links[i].parent == Some(here));
-            let down = children.map(|child| (child, joints + moves(child)));
-            for (next, joints) in up.into_iter().chain(down) {
-                if joints > 1 || next == from {
-                    continue;
-                }
-                if tree.links[next].bodies.is_empty() {
-                    open.push((next, joints, here));
-                } else if start < next {
-                    pairs.push([start, next]);
-                }
+        link
+    };
+    let is_neighbour = |ancestor: usize, mut link: usize| {
+        let mut joints = 0;
+        loop {
+            joints += usize::from(moves(link));
+            match tree.links[link].parent {
+                Some(parent) if parent == ancestor => return joints <= 1,
+                Some(parent) if !is_bodied(parent) => link = parent,
+                _ => return false,
             }
         }
-    }
-    pairs
+    };
+    let bodied: Vec<usize> = (0..tree.links.len()).filter(|&link| is_bodied(link)).collect();
+    let pairs = bodied.iter().enumerate().flat_map(|(n, &b)| bodied[..n].iter().map(move |&a| [a, b]));
+    pairs.filter(|&[a, b]| mover(a) == mover(b) || is_neighbour(a, b)).collect()
 }
 
 #[cfg(test)]
@@ -199,6 +199,14 @@ mod tests {
         let mut open = tree.clone();
         open.links[4].bodies.clear();
         assert_eq!(SelfCollision::new(&open, &limits, 0.0).links().tested.len(), 1);
+        // A plate on a base without bodies, and a block bolted to it: they do not move against each other, but the bar passes by.
+        let mut plated = tree.clone();
+        let ball = || Body { X_LG: Pose::identity(), shape: Shape::Sphere { radius: 0.3 } };
+        let plate = plated.attach("plate", 0, Pose::translation(0.0, 1.0, 0.0), ball());
+        let block = plated.attach("block", plate, Pose::translation(0.0, 0.0, 0.1), ball());
+        let links = SelfCollision::new(&plated, &limits, 0.0).links().clone();
+        assert_eq!(links.adjacent, [[2, 4], [4, 6], [plate, block]]);
+        assert!(links.tested.iter().any(|&(pair, share)| pair == [2, plate] && share > 0.0));
         let disabled = Tree { disabled: vec![[6, 2]], ..tree };
         let collision = SelfCollision::new(&disabled, &limits, 0.0);
         assert_eq!((collision.links().disabled.clone(), collision.is_empty()), (vec![[2, 6]], true));

@@ -19,7 +19,7 @@ pub enum PlanError {
     #[error(transparent)]
     Survey(#[from] SurveyError),
     /// More poses are asked for than there are views.
-    #[error("{count} poses are asked for, but there are only {views} views")]
+    #[error("{count} poses are asked for, but only {views} configurations see the board and can be taken")]
     TooFewViews {
         /// Poses asked for.
         count: usize,
