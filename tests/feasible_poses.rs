@@ -3,6 +3,7 @@
 #![allow(non_snake_case, clippy::unwrap_used)]
 
 use std::path::Path;
+use std::process::Command;
 
 use calipose::feasibility::{Rejection, View, feasible_views};
 use calipose::plan::{Chooser, Plan, survey, verify};
@@ -88,6 +89,27 @@ fn plans_have_the_tip_over_margin_of_every_pose() {
     assert_eq!(Plan::from_json(&plan.to_json()).unwrap(), plan);
     let csv = String::from_utf8(plan.to_csv().unwrap()).unwrap();
     assert!(csv.lines().next().unwrap().ends_with(",share,stability_margin_m"));
+}
+
+#[test]
+fn check_tells_what_is_tested() {
+    let check = |file: &str| -> serde_json::Value {
+        let output = Command::new(env!("CARGO_BIN_EXE_calipose")).args(["check", file, "--json"]).output().unwrap();
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let document = check("problems/servosila-engineer-bodies.toml");
+    assert!((document["mass_kg"].as_f64().unwrap() - 18.72).abs() < 1e-9);
+    let pairs = &document["self_collision"];
+    assert_eq!(pairs["clearance_mm"], 5.0);
+    assert_eq!(pairs["adjacent"].as_array().unwrap().len(), 5);
+    assert_eq!(pairs["always_in_contact"], serde_json::json!([]));
+    assert_eq!(pairs["never_seen"], serde_json::json!([["waist", "board"], ["shoulder", "neck"]]));
+    let tested = pairs["tested"].as_array().unwrap();
+    assert_eq!(tested.len(), 10);
+    let never = tested.iter().filter(|pair| pair["share"] == 0.0);
+    assert_eq!(never.count(), 2, "pairs never seen in contact are tested all the same");
+    let plain = check("problems/servosila-engineer.toml");
+    assert_eq!((&plain["self_collision"], &plain["mass_kg"]), (&serde_json::Value::Null, &serde_json::Value::Null));
 }
 
 #[test]

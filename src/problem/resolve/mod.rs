@@ -44,7 +44,7 @@ pub(super) fn resolve(
     let target = check.target(&file.target);
     let thickness = check.length(&KeyPath::section("target").key("thickness_mm"), file.target.thickness_mm, SIZE);
     if let (Some(robot), Some(target)) = (&mut robot, &target) {
-        Check::board(target, thickness, &mut robot.tree);
+        Check::board(target, thickness, 0, &mut robot.tree);
     }
     let clearance = check.collision(&file.collision, robot.as_mut().map(|robot| &mut robot.tree));
     let stability = check.stability(file.stability.as_ref(), robot.as_ref().map(|robot| &robot.tree));
