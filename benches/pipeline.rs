@@ -6,17 +6,20 @@ use std::hint::black_box;
 use std::path::Path;
 use std::time::Duration;
 
+use calipose::feasibility::Occlusion;
 use calipose::information::packed::pack;
 use calipose::information::{InformationSet, Measurement};
 use calipose::plan::survey;
 use calipose::problem::Problem;
 use calipose::selection::{InformationFunction, Instance, RelaxationSettings, best, exchange, greedy, relax};
+use calipose::spatial::Pose;
 use calipose::sweep::{AxisRule, sweep};
 use criterion::{Criterion as Bench, Throughput, criterion_group, criterion_main};
 use nalgebra::DMatrix;
 use rand::{Rng, SeedableRng};
 use rand_distr::StandardNormal;
 use rand_xoshiro::Xoshiro256Plus;
+use rayon::prelude::*;
 
 fn servosila() -> Problem {
     Problem::read(Path::new("problems/servosila-engineer.toml")).expect("the shipped problem is valid")
@@ -36,16 +39,53 @@ fn sweeping(bench: &mut Bench) {
     group.finish();
 }
 
+/// Every test of every candidate, as if all were visible and none had failed another test.
+fn feasibility(bench: &mut Bench) {
+    let problem =
+        Problem::read(Path::new("problems/servosila-engineer-bodies.toml")).expect("the shipped problem is valid");
+    let Problem { robot, target, space, stability, .. } = &problem;
+    let stability = stability.as_ref().expect("the problem tests stability");
+    let candidates = sweep(robot, target, space, problem.axis, &|_| {}).candidates;
+    let checks = problem.checks();
+    let occlusion = Occlusion::new(&robot.tree);
+    let corners: Vec<_> = target.board.corners().collect();
+    let poses: Vec<_> = candidates
+        .iter()
+        .map(|&id| {
+            let q = space.configuration(id);
+            (robot.tree.link_poses(&q), robot.camera_pose(&q))
+        })
+        .collect();
+    let mut group = bench.benchmark_group("feasibility");
+    group.throughput(Throughput::Elements(candidates.len() as u64)).sample_size(10);
+    let prepare = || problem.checks();
+    group.bench_function("prepare", |b| b.iter(prepare));
+    let stable = |(X_BL, _): &(Vec<Pose>, Pose)| stability.margin_at(&robot.tree, X_BL) >= Some(stability.margin);
+    let collides = |(X_BL, _): &(Vec<Pose>, Pose)| checks.collision().collides(X_BL);
+    let hidden =
+        |(X_BL, X_BC): &(Vec<Pose>, Pose)| occlusion.hidden(X_BL, X_BC, &target.X_BT, &corners).contains(&true);
+    group.bench_function("stability", |b| b.iter(|| poses.par_iter().filter(|p| stable(p)).count()));
+    group.bench_function("self-collision", |b| b.iter(|| poses.par_iter().filter(|p| collides(p)).count()));
+    group.bench_function("occlusion", |b| b.iter(|| poses.par_iter().filter(|p| hidden(p)).count()));
+    let all = |id: &usize| {
+        let q = space.configuration(*id);
+        let pose = (robot.tree.link_poses(&q), robot.camera_pose(&q));
+        [stable(&pose), collides(&pose), hidden(&pose)]
+    };
+    group.bench_function("all", |b| b.iter(|| candidates.par_iter().map(all).collect::<Vec<_>>()));
+    group.finish();
+}
+
 fn information(bench: &mut Bench) {
     let problem = servosila();
     let survey = survey(&problem, &|_| {}).expect("the shipped problem has views");
     let corners: Vec<_> = problem.target.board.corners().collect();
-    let poses: Vec<_> = survey.views.iter().map(|view| view.X_CT).collect();
+    let views: Vec<_> = survey.views.iter().map(|view| (&view.X_CT, &view.seen)).collect();
     let measurement =
         Measurement { camera: &problem.camera, corners: &corners, noise: problem.noise, estimated: &problem.estimated };
     let mut group = bench.benchmark_group("information");
-    group.throughput(Throughput::Elements(poses.len() as u64));
-    group.bench_function("servosila", |b| b.iter(|| measurement.information_set(black_box(&poses))));
+    group.throughput(Throughput::Elements(views.len() as u64));
+    group.bench_function("servosila", |b| b.iter(|| measurement.information_set(black_box(views.clone()))));
     group.finish();
 }
 
@@ -93,5 +133,5 @@ fn random_instances(bench: &mut Bench) {
     stages(bench, "hetero d n=10735 p=9 k=20", &instance);
 }
 
-criterion_group!(benches, sweeping, information, selection, random_instances);
+criterion_group!(benches, sweeping, feasibility, information, selection, random_instances);
 criterion_main!(benches);

@@ -7,7 +7,7 @@
 //! ```
 //!
 //! 1. [`sweep`]: forward kinematics of every joint configuration; which optical axes meet the marker zone.
-//! 2. [`feasibility`]: from which of them the camera sees the whole board.
+//! 2. [`feasibility`]: from which of them the camera sees the board, and which the robot can take.
 //! 3. [`information`]: what each view would teach about the camera's intrinsics (Fisher information).
 //! 4. [`selection`]: the k views that together teach most, and a certificate that bounds every other choice.
 //! 5. [`mod@plan`]: the poses, their predicted accuracy, and the files.
@@ -30,7 +30,7 @@
 //! # Conventions
 //!
 //! - **Frames**: B robot base, F flange, C camera (x right, y down, z forward, as in OpenCV), T target (origin at the
-//!   board's centre, x along its columns, y along its rows, z out of its printed side). `X_AB` is the pose of B in A and maps
+//!   board's centre, x along its columns, y along its rows, z out of its printed side), L a link, G a body on it. `X_AB` is the pose of B in A and maps
 //!   B's coordinates to A's; adjacent letters cancel: `X_CT = X_BC⁻¹ · X_BT`.
 //! - **Units**: metres, radians and pixels inside. Problem files have their units in the keys; they are converted in
 //!   `problem` alone.

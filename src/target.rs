@@ -29,6 +29,16 @@ pub struct Board {
     pub square: f64,
 }
 
+/// Which corners of a board, of those seen for instance.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum Corners {
+    /// Every corner.
+    #[default]
+    All,
+    /// These, by their index in the order of [`Board::corners`], ascending.
+    Some(Vec<usize>),
+}
+
 /// The marker zone of the paper: a rectangle centred on T's origin in T's plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Zone {
@@ -75,6 +85,41 @@ impl Board {
     pub fn corners(&self) -> impl ExactSizeIterator<Item = Point3<f64>> + '_ {
         (0..self.corner_count()).map(|i| self.corner(i % self.columns, i / self.columns))
     }
+
+    /// Whether corners (by index, each once) fix the homography between board and image: four of them in general position,
+    /// no three on a line. That is so unless all of them but one lie on a line.
+    pub fn fix_homography(&self, corners: &[usize]) -> bool {
+        let at = |i: usize| [(i % self.columns).cast_signed(), (i / self.columns).cast_signed()];
+        let [a, b, c, _, ..] = *corners else { return false };
+        // A line through all but one passes through two of any three.
+        let off_the_line = |(a, b): (usize, usize)| {
+            let ([ax, ay], [bx, by]) = (at(a), at(b));
+            let off = |&&p: &&usize| {
+                let [x, y] = at(p);
+                (bx - ax) * (y - ay) != (by - ay) * (x - ax)
+            };
+            corners.iter().filter(off).count()
+        };
+        [(a, b), (a, c), (b, c)].into_iter().all(|line| off_the_line(line) >= 2)
+    }
+}
+
+impl Corners {
+    /// The indices, of a board with `count` corners.
+    pub fn indices(&self, count: usize) -> Vec<usize> {
+        match self {
+            Corners::All => (0..count).collect(),
+            Corners::Some(indices) => indices.clone(),
+        }
+    }
+
+    /// Whether corner `index` is among them.
+    pub fn contains(&self, index: usize) -> bool {
+        match self {
+            Corners::All => true,
+            Corners::Some(indices) => indices.binary_search(&index).is_ok(),
+        }
+    }
 }
 
 impl Zone {
@@ -103,6 +148,21 @@ mod tests {
         assert!((corners[0] - Point3::new(-0.1, -0.05, 0.0)).norm() < 1e-15);
         assert!((corners[1] - Point3::new(0.0, -0.05, 0.0)).norm() < 1e-15);
         assert!((corners[5] - Point3::new(0.1, 0.05, 0.0)).norm() < 1e-15);
+    }
+
+    #[test]
+    fn four_corners_in_general_position_fix_a_homography() {
+        let board = Board { columns: 4, rows: 3, square: 0.1 };
+        // Rows are 0–3, 4–7, 8–11.
+        assert!(board.fix_homography(&[0, 1, 4, 5]));
+        assert!(board.fix_homography(&[0, 1, 2, 3, 4, 5]));
+        assert!(!board.fix_homography(&[0, 1, 2, 3, 4]));
+        assert!(!board.fix_homography(&[9, 0, 1, 2, 3]));
+        assert!(!board.fix_homography(&[0, 5, 10, 3]));
+        assert!(!board.fix_homography(&[0, 1, 5]));
+        // Of four corners three on a line, whichever comes first.
+        assert!(!board.fix_homography(&[4, 0, 8, 5]) && !board.fix_homography(&[5, 0, 4, 8]));
+        assert!(board.fix_homography(&[4, 0, 8, 5, 6]));
     }
 
     #[test]

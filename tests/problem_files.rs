@@ -5,9 +5,9 @@
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
-use calipose::feasibility::visible_views;
+use calipose::feasibility::feasible_views;
 use calipose::problem::{Problem, STARTER, StepError, schema_json};
-use calipose::robot::JointKind;
+use calipose::robot::{JointKind, Shape};
 use calipose::sweep::sweep;
 use nalgebra::{Point3, Vector2, Vector3};
 use serde_json::Value;
@@ -33,14 +33,7 @@ fn every_shipped_file_loads() {
 fn the_starter_has_views_to_choose_from() {
     let problem = load(STARTER);
     let found = sweep(&problem.robot, &problem.target, &problem.space, problem.axis, &|_| {});
-    let (views, rejected) = visible_views(
-        &problem.robot,
-        &problem.camera,
-        &problem.target,
-        &problem.visibility,
-        &problem.space,
-        &found.candidates,
-    );
+    let (views, rejected) = feasible_views(&problem.checks(), &problem.space, &found.candidates);
     assert!(views.len() > 100 * problem.selection.count, "{} views, {rejected:?}", views.len());
 }
 
@@ -151,6 +144,86 @@ fn whole_numbers_stand_for_fractions_and_line_ends_may_be_windows() {
     let windows = load(&STARTER.replace('\n', "\r\n").replace("sigma_px = 0.3", "sigma_px = 3e-1"));
     assert_eq!(windows.robot, unix.robot);
     assert_ne!(windows.sha256, unix.sha256);
+}
+
+/// What the starter shows as comments of bodies, masses and the tests made with them is right.
+#[test]
+fn the_bodies_that_the_starter_shows_are_right() {
+    let mut shown = STARTER.to_owned();
+    for line in STARTER.lines() {
+        let starts =
+            ["# [[robot.", "# link", "# capsule", "# pose = { position_mm = [0, 0, -150", "# mass", "# center_mm"];
+        let more = ["# [collision]", "# clearance", "# [stability]", "# support", "# margin_mm"];
+        if starts.iter().chain(&more).any(|start| line.starts_with(start)) {
+            shown = shown.replacen(&format!("\n{line}\n"), &format!("\n{}\n", &line[2..]), 1);
+        }
+    }
+    let problem = load(&shown);
+    let tree = &problem.robot.tree;
+    assert_eq!(tree.links.iter().map(|link| link.bodies.len()).sum::<usize>(), 2, "the waist's and the board");
+    assert_eq!(tree.center_of_mass(&tree.link_poses(&[0.0; 6])).unwrap().mass, 8.0);
+    assert_eq!((problem.clearance, problem.stability.unwrap().margin), (0.0, 0.0));
+}
+
+#[test]
+fn bodies_masses_and_ground_in_metres_on_their_links() {
+    let text = STARTER.replace(
+        "[sweep]",
+        r#"
+        [[robot.bodies]]
+        link = "base"
+        box_mm = [400, 300, 200]
+        pose = { position_mm = [0, 0, 100] }
+        [[robot.bodies]]
+        link = "waist"
+        capsule_mm = [60, 300]
+        [camera.housing]
+        sphere_mm = 30
+        [[robot.masses]]
+        link = "base"
+        mass_kg = 10
+        center_mm = [0, 0, 100]
+        [[robot.masses]]
+        link = "base"
+        mass_kg = 30
+        center_mm = [40, 0, 20]
+        [collision]
+        clearance_mm = 5
+        ignore = [["camera", "board"]]
+        [stability]
+        support_mm = [[-200, -150], [200, -150], [200, 150], [0, 0], [-200, 150]]
+        margin_mm = 20
+        [sweep]
+        "#,
+    );
+    let problem = load(&text.replace("[visibility]", "[visibility]\nmin_corners = 20"));
+    let tree = &problem.robot.tree;
+    let number = |name: &str| tree.links.iter().position(|link| link.name == name).unwrap();
+    assert_eq!(tree.links[0].bodies[0].shape, Shape::Box { half_extents: Vector3::new(0.2, 0.15, 0.1) });
+    assert_eq!(tree.links[number("waist")].bodies[0].shape, Shape::Capsule { radius: 0.06, length: 0.3 });
+    let mass = tree.links[0].mass.unwrap();
+    assert_eq!(mass.mass, 40.0);
+    assert!((mass.center - Point3::new(0.03, 0.0, 0.04)).norm() < 1e-15);
+    assert_eq!(tree.disabled, [[number("camera"), number("board")]]);
+    assert_eq!((problem.clearance, problem.visibility.min_corners), (0.005, Some(20)));
+    let stability = problem.stability.as_ref().unwrap();
+    assert_eq!((stability.polygon().len(), stability.margin), (4, 0.02));
+    // The housing is at the camera, the board's printed side in its plane.
+    let q = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6];
+    let X_BL = tree.link_poses(&q);
+    let camera = problem.robot.camera_pose(&q);
+    assert!((X_BL[number("camera")].to_homogeneous() - camera.to_homogeneous()).norm() < 1e-12);
+    let board = number("board");
+    let body = &tree.links[board].bodies[0];
+    assert_eq!(X_BL[board], problem.target.X_BT);
+    let Shape::Box { half_extents } = body.shape else { panic!("{:?}", body.shape) };
+    assert!((half_extents - Vector3::new(0.125, 0.0875, 0.0025)).norm() < 1e-15);
+    assert_eq!(body.X_LG.translation.vector.z, -0.0025);
+    // The camera is no neighbour of the waist: the arm between has no bodies, but five joints.
+    let links = problem.checks().collision().links().clone();
+    let pair = |a: &str, b: &str| [number(a), number(b)];
+    assert_eq!(links.adjacent, [pair("base", "waist"), pair("base", "board")]);
+    assert_eq!(links.disabled, [pair("camera", "board")]);
 }
 
 /// Not a validator: every key of the file must be a property of its object in the schema, every required key present.

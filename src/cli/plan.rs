@@ -170,12 +170,13 @@ fn run_document(file: &Path, problem: &Problem, survey: Duration, selection: Dur
 fn summary(problem: &Problem, survey: &Survey, chooser: &Chooser, plan: &Plan) -> Result<String, Failure> {
     let candidates = &plan.candidates;
     let mut text = format!(
-        "{}: {} configurations swept, {} axes in the zone ({} of them on its edge), {} see the whole board.\n",
+        "{}: {} configurations swept, {} axes in the zone ({} of them on its edge), {} {}.\n",
         plan.problem.name,
         grouped(candidates.swept),
         grouped(candidates.axis_inside + candidates.axis_edge),
         grouped(candidates.axis_edge),
         grouped(candidates.kept),
+        what_views_do(problem),
     );
     let rejected: Vec<String> = candidates
         .rejected
@@ -253,6 +254,17 @@ fn outcome(plan: &Plan) -> String {
     }
 }
 
+/// What the configurations do that are views.
+pub(super) fn what_views_do(problem: &Problem) -> &'static str {
+    let tested = problem.stability.is_some() || problem.robot.tree.links.iter().any(|link| !link.bodies.is_empty());
+    match (problem.visibility.min_corners, tested) {
+        (None, false) => "see the whole board",
+        (None, true) => "can be taken and see the whole board",
+        (Some(_), false) => "see enough of the board",
+        (Some(_), true) => "can be taken and see enough of the board",
+    }
+}
+
 /// The poses in degrees and mm, one a row.
 pub(super) fn pose_table(problem: &Problem, poses: &[PlannedPose]) -> String {
     let joints = problem.robot.chain.joints.iter().map(|joint| {
@@ -262,7 +274,10 @@ pub(super) fn pose_table(problem: &Problem, poses: &[PlannedPose]) -> String {
     let header: Vec<String> = std::iter::once("pose".into())
         .chain(joints)
         .chain(["tilt [deg]", "distance [mm]", "share [%]"].map(String::from))
+        .chain(problem.stability.as_ref().map(|_| "tip-over margin [mm]".into()))
+        .chain(problem.visibility.min_corners.map(|_| "corners".into()))
         .collect();
+    let corners = problem.target.board.corner_count();
     let rows: Vec<Vec<String>> = poses
         .iter()
         .map(|pose| {
@@ -274,6 +289,11 @@ pub(super) fn pose_table(problem: &Problem, poses: &[PlannedPose]) -> String {
                     format!("{:.0}", 1e3 * pose.distance_m),
                     format!("{:.1}", 100.0 * pose.share),
                 ])
+                .chain(pose.stability_margin_m.map(|margin| format!("{:.0}", 1e3 * margin)))
+                .chain(problem.visibility.min_corners.map(|_| {
+                    let seen = pose.corners_seen.as_ref().map_or(corners, Vec::len);
+                    seen.to_string()
+                }))
                 .collect()
         })
         .collect();

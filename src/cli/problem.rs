@@ -2,14 +2,16 @@
 
 use std::path::Path;
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::WRITING;
 use super::failure::Failure;
+use super::plan::what_views_do;
 use super::screen::{Screen, grouped, short};
-use crate::feasibility::{View, visible_views};
+use crate::feasibility::{Checks, LinkPair, LinkPairs, Rejection, View, feasible_views};
 use crate::plan::write_atomically;
 use crate::problem::{Problem, STARTER, schema_json};
+use crate::robot::PointMass;
 use crate::sweep::{AxisRule, JointSpace};
 use crate::target::AxisCase;
 
@@ -22,9 +24,13 @@ const SWEEP_RATE: f64 = 5e7;
 /// Seconds to test one candidate's view and weigh its information, conservatively.
 const VIEW_TIME: f64 = 1e-5;
 
+/// Seconds to test one visible candidate for collision and occlusion.
+const BODY_TIME: f64 = 1e-4;
+
 pub(super) fn check(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
     let problem = Problem::read(file)?;
-    let Problem { robot, camera, target, space, visibility, .. } = &problem;
+    let Problem { robot, target, space, .. } = &problem;
+    let checks = problem.checks();
     let total = space.len();
     let pilot: Vec<usize> = if total <= PILOT {
         (0..total).collect()
@@ -32,7 +38,8 @@ pub(super) fn check(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
         // Golden-section steps: an even stride would be in step with the grid and see one value of the inner joints.
         (0..PILOT).map(|i| ((i as f64 * 0.618_033_988_749_895).fract() * total as f64) as usize).collect()
     };
-    let (mut views, _) = visible_views(robot, camera, target, visibility, space, &pilot);
+    let (mut views, rejected) = feasible_views(&checks, space, &pilot);
+    let visible = views.len() + rejected[Rejection::Unstable as usize..].iter().sum::<usize>();
     if problem.axis == AxisRule::Zone {
         let meets_zone = |view: &View| {
             let point_T = view.target_point().map(|point| target.X_BT.inverse() * point);
@@ -46,7 +53,9 @@ pub(super) fn check(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
     let cores = rayon::current_num_threads() as f64;
     // With the axis test the sweep hands on few; without it every configuration's view is tested.
     let tested = if problem.axis == AxisRule::Any { total } else { (0.1 * total as f64) as usize };
-    let seconds = (total as f64 / SWEEP_RATE + tested as f64 * VIEW_TIME) / cores + 0.5;
+    let with_bodies = if checks.has_bodies() { visible as f64 / pilot.len() as f64 * total as f64 } else { 0.0 };
+    let work = total as f64 / SWEEP_RATE + tested as f64 * VIEW_TIME + with_bodies * BODY_TIME;
+    let seconds = work / cores + 0.5;
     let per_view = 8 * (robot.chain.dof() + 20 + p * (p + 1) / 2);
     let megabytes = ((tested * 8 + 2 * seen * per_view) as f64 / 1e6).ceil() + 30.0;
     let space_text = match space {
@@ -66,16 +75,20 @@ pub(super) fn check(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
             "estimated_views": seen,
             "estimated_seconds": seconds,
             "estimated_memory_mb": megabytes,
+            "self_collision": self_collision(&problem, &checks),
+            "mass_kg": center_of_mass(&problem).map(|center| center.mass),
         })
         .to_string(),
     )?;
     screen.text(&format!(
-        "{}: valid.\n{} joints, {space_text}.\nAbout {} of them see the whole board (from {} tried).\n`calipose plan` would \
+        "{}: valid.\n{} joints, {space_text}.\n{}About {} of them {} (from {} tried).\n`calipose plan` would \
          choose {} poses by `{}` for criterion `{}`, estimating {}, and write to {}.\nIt would take about {} s and {} MB on \
          this machine.",
         problem.name,
         robot.chain.dof(),
+        tests_text(&problem, &checks),
         grouped(seen),
+        what_views_do(&problem),
         grouped(pilot.len()),
         selection.count,
         selection.method.name(),
@@ -85,6 +98,68 @@ pub(super) fn check(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
         short(seconds),
         megabytes,
     ))
+}
+
+/// Centre of mass where the joints are in the middle of their ranges; its mass is that of any configuration.
+fn center_of_mass(problem: &Problem) -> Option<PointMass> {
+    let joints = &problem.robot.chain.joints;
+    let q: Vec<f64> = joints.iter().map(|joint| f64::midpoint(joint.limits.min, joint.limits.max)).collect();
+    let tree = &problem.robot.tree;
+    tree.center_of_mass(&tree.link_poses(&q))
+}
+
+/// The pairs of links by what is done about them; null for robots without bodies.
+fn self_collision(problem: &Problem, checks: &Checks) -> Value {
+    let name = |link: usize| problem.robot.tree.links[link].name.as_str();
+    let names = |pairs: &[LinkPair]| pairs.iter().map(|&[a, b]| json!([name(a), name(b)])).collect::<Value>();
+    let links = checks.collision().links();
+    if *links == LinkPairs::default() {
+        return Value::Null;
+    }
+    let never: Vec<LinkPair> = links.tested.iter().filter(|(_, share)| *share == 0.0).map(|&(pair, _)| pair).collect();
+    let tested = links.tested.iter().map(|&([a, b], share)| json!({ "links": [name(a), name(b)], "share": share }));
+    json!({
+        "clearance_mm": problem.clearance * 1e3,
+        "adjacent": names(&links.adjacent),
+        "ignored": names(&links.disabled),
+        "always_in_contact": names(&links.always),
+        "never_seen": names(&never),
+        "tested": tested.collect::<Value>(),
+    })
+}
+
+/// What is tested besides visibility, in lines.
+fn tests_text(problem: &Problem, checks: &Checks) -> String {
+    let mut text = String::new();
+    let links = checks.collision().links();
+    if *links != LinkPairs::default() {
+        let name = |link: usize| problem.robot.tree.links[link].name.as_str();
+        let list = |pairs: &mut dyn Iterator<Item = LinkPair>| {
+            let pairs: Vec<String> = pairs.map(|[a, b]| format!("{}–{}", name(a), name(b))).collect();
+            if pairs.is_empty() { "none".into() } else { pairs.join(", ") }
+        };
+        let of =
+            |test: fn(f64) -> bool| links.tested.iter().filter(move |(_, share)| test(*share)).map(|&(pair, _)| pair);
+        text += &format!(
+            "Self-collision, clearance {} mm; pairs of links within it in some of 1000 random configurations: {}; in none, but \
+             tested: {}. Not tested, adjacent: {}; always in contact: {}; ignored: {}.\n",
+            short(problem.clearance * 1e3),
+            list(&mut of(|share| share > 0.0)),
+            list(&mut of(|share| share == 0.0)),
+            list(&mut links.adjacent.iter().copied()),
+            list(&mut links.always.iter().copied()),
+            list(&mut links.disabled.iter().copied()),
+        );
+    }
+    if let (Some(stability), Some(center)) = (&problem.stability, center_of_mass(problem)) {
+        text += &format!(
+            "Stability: {} kg over a support polygon of {} corners, margin {} mm.\n",
+            short(center.mass),
+            stability.polygon().len(),
+            short(stability.margin * 1e3),
+        );
+    }
+    text
 }
 
 pub(super) fn init(file: &Path, screen: &mut Screen) -> Result<(), Failure> {

@@ -8,7 +8,7 @@ use serde_json::json;
 
 use super::failure::Failure;
 use super::screen::{Screen, grouped, table};
-use crate::feasibility::{Rejection, visible_views};
+use crate::feasibility::{Rejection, feasible_views};
 use crate::problem::Problem;
 use crate::sweep::sweep;
 
@@ -45,8 +45,7 @@ pub(super) fn run(arguments: &SweepArguments, screen: &mut Screen) -> Result<(),
         let found = sweep(&problem.robot, &problem.target, &problem.space, problem.axis, &|n| bar.inc(n as u64));
         let seconds = start.elapsed().as_secs_f64();
         bar.finish_and_clear();
-        let Problem { robot, camera, target, space, visibility, .. } = problem;
-        let (views, rejected) = visible_views(robot, camera, target, visibility, space, &found.candidates);
+        let (views, rejected) = feasible_views(&problem.checks(), &problem.space, &found.candidates);
         let in_zone = found.inside + found.edge;
         let published = step
             .and_then(|step| problem.published.iter().find(|published| (published.step - step).abs() < 1e-9 * step));

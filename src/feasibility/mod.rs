@@ -1,5 +1,17 @@
-//! Which candidates are worth a picture: those from which the camera really sees the board.
+//! Which candidates are worth a picture: those that the robot can take and from which the camera really sees the board.
+//!
+//! [`Checks`] holds a candidate against everything in turn, the cheapest first: visibility in the image, [`Stability`],
+//! [`SelfCollision`], [`Occlusion`].
 
+mod collision;
+mod occlusion;
+mod solid;
+mod stability;
+mod views;
 mod visibility;
 
-pub use visibility::{Rejection, View, VisibilityLimits, visible_views};
+pub use collision::{LinkPair, LinkPairs, SelfCollision};
+pub use occlusion::Occlusion;
+pub use stability::{Stability, StabilityError};
+pub use views::{Checks, Rejection, View, feasible_views};
+pub use visibility::VisibilityLimits;

@@ -1,13 +1,11 @@
-//! Visibility of the whole board.
+//! Visibility of the board, regardless of what may stand in the way.
 
-use nalgebra::{Point3, Vector3};
-use rayon::prelude::*;
+use nalgebra::{Point3, Vector2, Vector3};
 
+use super::views::Rejection;
 use crate::camera::Camera;
-use crate::robot::Robot;
 use crate::spatial::Pose;
-use crate::sweep::JointSpace;
-use crate::target::Target;
+use crate::target::{Corners, Target};
 
 /// What a view must satisfy.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,167 +22,75 @@ pub struct VisibilityLimits {
     pub max_distance: f64,
     /// Least distance in px of neighbouring corners in the image.
     pub min_corner_spacing: f64,
-}
-
-/// A configuration from which the camera sees every corner of the board.
-#[derive(Debug, Clone, PartialEq)]
-pub struct View {
-    /// The configuration's number in the joint space.
-    pub id: usize,
-    /// Joint values, rad or m.
-    pub q: Vec<f64>,
-    /// Pose of the camera in the base frame.
-    pub X_BC: Pose,
-    /// Pose of the board in the camera frame.
-    pub X_CT: Pose,
-}
-
-impl View {
-    /// Angle in rad between the optical axis and the board's normal; 0 when they are parallel.
-    pub fn tilt(&self) -> f64 {
-        cos_tilt(&self.X_CT).clamp(-1.0, 1.0).acos()
-    }
-
-    /// Distance in m from the camera to the board's centre.
-    pub fn distance(&self) -> f64 {
-        self.X_CT.translation.vector.norm()
-    }
-
-    /// Where the optical axis meets the board's plane, in the base frame; `None` if it runs parallel or away from it.
-    pub fn target_point(&self) -> Option<Point3<f64>> {
-        let normal_C = self.X_CT.rotation * Vector3::z();
-        let t = normal_C.dot(&self.X_CT.translation.vector) / normal_C.z;
-        (t.is_finite() && t > 0.0).then(|| self.X_BC * Point3::new(0.0, 0.0, t))
-    }
-}
-
-/// Why a candidate is not a view; the checks run in this order and the first that fails is the reason.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Rejection {
-    /// The camera is on the unprinted side of the board, or in its plane.
-    BackSide,
-    /// The board is nearer or farther than allowed.
-    Distance,
-    /// The board is seen at too flat an angle.
-    Incidence,
-    /// The board is tilted too far against the optical axis.
-    Tilt,
-    /// A corner is behind the camera or where the lens model is not one-to-one.
-    BeyondLens,
-    /// A corner is outside the image or in its margin.
-    OutsideImage,
-    /// Neighbouring corners are too close together in the image.
-    CornerSpacing,
-}
-
-impl Rejection {
-    /// Every reason, in the order of the checks.
-    pub const ALL: [Rejection; 7] = [
-        Rejection::BackSide,
-        Rejection::Distance,
-        Rejection::Incidence,
-        Rejection::Tilt,
-        Rejection::BeyondLens,
-        Rejection::OutsideImage,
-        Rejection::CornerSpacing,
-    ];
-
-    /// Name as written in plans.
-    pub fn name(self) -> &'static str {
-        match self {
-            Rejection::BackSide => "back_side",
-            Rejection::Distance => "distance",
-            Rejection::Incidence => "incidence",
-            Rejection::Tilt => "tilt",
-            Rejection::BeyondLens => "beyond_lens",
-            Rejection::OutsideImage => "outside_image",
-            Rejection::CornerSpacing => "corner_spacing",
-        }
-    }
-}
-
-/// The candidates that are views, in ascending order, and how many were rejected for each reason of
-/// [`Rejection::ALL`]. The result does not depend on the number of threads.
-pub fn visible_views(
-    robot: &Robot,
-    camera: &Camera,
-    target: &Target,
-    limits: &VisibilityLimits,
-    space: &JointSpace,
-    candidates: &[usize],
-) -> (Vec<View>, [usize; Rejection::ALL.len()]) {
-    let corners: Vec<Point3<f64>> = target.board.corners().collect();
-    let test = |&id: &usize| {
-        let q = space.configuration(id);
-        let X_BC = robot.camera_pose(&q);
-        let X_CT = X_BC.inverse() * target.X_BT;
-        match rejection(camera, target, limits, &corners, &X_CT) {
-            Some(reason) => Err(reason),
-            None => Ok(View { id, q, X_BC, X_CT }),
-        }
-    };
-    // Chunk by chunk, so that the rejected take no memory.
-    let chunks: Vec<_> = candidates
-        .par_chunks(1024)
-        .map(|chunk| {
-            let mut rejected = [0; Rejection::ALL.len()];
-            let view = |verdict: Result<View, Rejection>| verdict.map_err(|reason| rejected[reason as usize] += 1).ok();
-            let views: Vec<View> = chunk.iter().map(test).filter_map(view).collect();
-            (views, rejected)
-        })
-        .collect();
-    let mut rejected = [0; Rejection::ALL.len()];
-    let mut views = Vec::new();
-    for (some_views, some_rejected) in chunks {
-        views.extend(some_views);
-        for (sum, count) in rejected.iter_mut().zip(some_rejected) {
-            *sum += count;
-        }
-    }
-    (views, rejected)
+    /// Fewest corners that make a view, of a board that can be read in part; none where every corner must be seen.
+    pub min_corners: Option<usize>,
 }
 
 /// Cosine of the angle between the optical axis and the board's inward normal.
-fn cos_tilt(X_CT: &Pose) -> f64 {
+pub(super) fn cos_tilt(X_CT: &Pose) -> f64 {
     -(X_CT.rotation * Vector3::z()).z
 }
 
-fn rejection(
+/// The corners whose images satisfy the limits, or the first reason that the board is not seen; `corners` are all of the
+/// board's, in T.
+pub(super) fn visible_corners(
     camera: &Camera,
     target: &Target,
     limits: &VisibilityLimits,
     corners: &[Point3<f64>],
     X_CT: &Pose,
-) -> Option<Rejection> {
+) -> Result<Corners, Rejection> {
     let to_board = X_CT.translation.vector;
     let distance = to_board.norm();
     let cos_incidence = -(X_CT.rotation * Vector3::z()).dot(&to_board) / distance;
     // At the board's very centre the cosine is NaN.
     if cos_incidence.is_nan() || cos_incidence <= 0.0 {
-        return Some(Rejection::BackSide);
+        return Err(Rejection::BackSide);
     }
     if !(limits.min_distance..=limits.max_distance).contains(&distance) {
-        return Some(Rejection::Distance);
+        return Err(Rejection::Distance);
     }
     if cos_incidence < limits.max_incidence.cos() {
-        return Some(Rejection::Incidence);
+        return Err(Rejection::Incidence);
     }
     if cos_tilt(X_CT) < limits.max_tilt.cos() {
-        return Some(Rejection::Tilt);
+        return Err(Rejection::Tilt);
     }
-    let columns = target.board.columns;
-    let mut pixels = Vec::with_capacity(corners.len());
-    for corner in corners {
-        let Some(pixel) = camera.project(&(X_CT * corner)) else {
-            return Some(Rejection::BeyondLens);
-        };
-        if !camera.contains(&pixel, limits.margin) {
-            return Some(Rejection::OutsideImage);
-        }
-        pixels.push(pixel);
+    let pixel = |corner: &Point3<f64>| {
+        let pixel = camera.project(&(X_CT * corner)).ok_or(Rejection::BeyondLens)?;
+        if camera.contains(&pixel, limits.margin) { Ok(pixel) } else { Err(Rejection::OutsideImage) }
+    };
+    let Some(least) = limits.min_corners else {
+        let pixels = corners.iter().map(pixel).collect::<Result<Vec<_>, Rejection>>()?;
+        let crowded = is_crowded(target.board.columns, pixels.len(), limits.min_corner_spacing, |i| Some(&pixels[i]));
+        return if crowded { Err(Rejection::CornerSpacing) } else { Ok(Corners::All) };
+    };
+    let pixels: Vec<Result<Vector2<f64>, Rejection>> = corners.iter().map(pixel).collect();
+    let seen = enough(target, least, (0..pixels.len()).filter(|&i| pixels[i].is_ok()).collect());
+    let Some(seen) = seen else {
+        return Err(pixels.into_iter().find_map(Result::err).unwrap_or(Rejection::OutsideImage));
+    };
+    let at = |i: usize| pixels[i].as_ref().ok();
+    if is_crowded(target.board.columns, pixels.len(), limits.min_corner_spacing, at) {
+        return Err(Rejection::CornerSpacing);
     }
-    let too_close = |i: usize, j: usize| (pixels[i] - pixels[j]).norm() < limits.min_corner_spacing;
-    let crowded = (0..pixels.len())
-        .any(|i| (i % columns != 0 && too_close(i, i - 1)) || (i >= columns && too_close(i, i - columns)));
-    crowded.then_some(Rejection::CornerSpacing)
+    Ok(seen)
+}
+
+/// The corners, if they are `least` or more and fix a homography.
+pub(super) fn enough(target: &Target, least: usize, corners: Vec<usize>) -> Option<Corners> {
+    if corners.len() == target.board.corner_count() {
+        return Some(Corners::All);
+    }
+    (corners.len() >= least && target.board.fix_homography(&corners)).then_some(Corners::Some(corners))
+}
+
+/// Whether two neighbours of a board with so many columns, of those of its `count` corners that `at` has an image of, are
+/// nearer in the image than `least` (px).
+fn is_crowded<'p>(columns: usize, count: usize, least: f64, at: impl Fn(usize) -> Option<&'p Vector2<f64>>) -> bool {
+    let too_close = |i: usize, j: usize| match (at(i), at(j)) {
+        (Some(a), Some(b)) => (a - b).norm() < least,
+        _ => false,
+    };
+    (0..count).any(|i| (i % columns != 0 && too_close(i, i - 1)) || (i >= columns && too_close(i, i - columns)))
 }

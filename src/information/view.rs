@@ -7,13 +7,14 @@ use super::packed::packed_len;
 use super::set::InformationSet;
 use crate::camera::{Camera, MAX_INTRINSICS};
 use crate::spatial::{Pose, skew};
+use crate::target::Corners;
 
 /// What is observed, how well, and what is to be learnt from it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measurement<'a> {
     /// The nominal camera.
     pub camera: &'a Camera,
-    /// The corners, in T (m).
+    /// All corners of the board, in T (m).
     pub corners: &'a [Point3<f64>],
     /// Standard deviation of a detected corner in px, in each direction.
     pub noise: f64,
@@ -25,15 +26,22 @@ const POSE: usize = 6;
 const MOST_COLUMNS: usize = POSE + MAX_INTRINSICS;
 
 impl Measurement<'_> {
-    /// Information that the view from `X_CT` gives on the p estimated intrinsics once the view's own pose is
+    /// Information that the view of the corners `seen` from `X_CT` gives on the p estimated intrinsics once the view's own pose is
     /// eliminated, p×p packed: the Schur complement `(AᵀA − AᵀB (BᵀB)⁻¹ BᵀA) / σ²` of the normal matrix, where A (2m×p)
     /// and B (2m×6) are the residual Jacobians by the intrinsics and by the pose.
     ///
     /// `None` if a corner has no image.
-    pub fn information(&self, X_CT: &Pose) -> Option<Vec<f64>> {
+    pub fn information(&self, X_CT: &Pose, seen: &Corners) -> Option<Vec<f64>> {
+        match seen {
+            Corners::All => self.information_of(X_CT, self.corners.iter()),
+            Corners::Some(indices) => self.information_of(X_CT, indices.iter().map(|&i| &self.corners[i])),
+        }
+    }
+
+    fn information_of<'c>(&self, X_CT: &Pose, corners: impl Iterator<Item = &'c Point3<f64>>) -> Option<Vec<f64>> {
         let mut normal = [0.0; packed_len(MOST_COLUMNS)];
         let columns = POSE + self.estimated.len();
-        for corner in self.corners {
+        for corner in corners {
             // The pose is perturbed about the board's centre (see `spatial::perturb`).
             let arm = X_CT.rotation * corner.coords;
             let projection = self.camera.project_with_derivatives(&(X_CT * corner))?;
@@ -67,13 +75,13 @@ impl Measurement<'_> {
         )
     }
 
-    /// Information of many views, in their order; `None` if a corner of one has no image.
+    /// Information of many views, each from its `X_CT` and of the corners seen, in their order; `None` if a corner of one has no image.
     pub fn information_set<'b>(
         &self,
-        poses: impl IntoParallelIterator<Item = &'b Pose, Iter: IndexedParallelIterator>,
+        views: impl IntoParallelIterator<Item = (&'b Pose, &'b Corners), Iter: IndexedParallelIterator>,
     ) -> Option<InformationSet> {
         let rows: Option<Vec<Vec<f64>>> =
-            poses.into_par_iter().with_min_len(32).map(|X_CT| self.information(X_CT)).collect();
+            views.into_par_iter().with_min_len(32).map(|(X_CT, seen)| self.information(X_CT, seen)).collect();
         InformationSet::from_packed_unchecked(self.estimated.len(), rows?.concat()).ok()
     }
 }
@@ -143,7 +151,7 @@ mod tests {
         }));
         let Q = B.qr().q();
         let definition = (A.transpose() * &A - A.transpose() * &Q * Q.transpose() * &A) / (0.3 * 0.3);
-        let M = unpack(&measurement.information(&X_CT).unwrap(), estimated.len());
+        let M = unpack(&measurement.information(&X_CT, &Corners::All).unwrap(), estimated.len());
         for i in 0..estimated.len() {
             for j in 0..estimated.len() {
                 let scale = (definition[(i, i)] * definition[(j, j)]).sqrt();

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use super::set::InformationSet;
 use super::view::Measurement;
 use crate::spatial::Pose;
+use crate::target::Corners;
 
 /// The five directions in which `b = (B₁₁, B₁₂, B₂₂, B₁₃, B₂₃, B₃₃)` can err, in coordinates normalised by the nominal
 /// camera, where it is (1, 0, 1, 0, 0, 1) up to its scale.
@@ -25,17 +26,17 @@ fn complement() -> SMatrix<f64, 6, 5> {
 }
 
 impl Measurement<'_> {
-    /// The view's share `Uᵀ V_iᵀ Σ_i⁻¹ V_i U` of the closed form's normal matrix, 5×5 packed.
+    /// The share of the view of the corners `seen` from `X_CT`, `Uᵀ V_iᵀ Σ_i⁻¹ V_i U` of the closed form's normal matrix, 5×5 packed.
     ///
     /// `V_i` (2×6) holds the view's two constraints on b, v₁₂ and v₁₁ − v₂₂ of Zhang's equations 8 and 9, at the nominal
     /// homography `[r₁ r₂ t]`; `Σ_i` (2×2) is the covariance that the corners' noise gives `V_i b₀` through the homography.
     /// `None` if a corner has no image or the corners do not fix a homography.
-    pub fn zhang_information(&self, X_CT: &Pose) -> Option<Vec<f64>> {
+    pub fn zhang_information(&self, X_CT: &Pose, seen: &Corners) -> Option<Vec<f64>> {
         let R = X_CT.rotation.to_rotation_matrix();
         let h: [Vector3<f64>; 3] = [R.matrix().column(0).into(), R.matrix().column(1).into(), X_CT.translation.vector];
         // Normal matrix of the homography's nine entries, column by column.
         let mut N = SMatrix::<f64, 9, 9>::zeros();
-        for corner in self.corners {
+        for corner in seen.indices(self.corners.len()).into_iter().map(|i| &self.corners[i]) {
             let by_point = self.camera.project_with_derivatives(&(X_CT * corner))?.by_point;
             let mut A = SMatrix::<f64, 2, 9>::zeros();
             for (c, factor) in [corner.x, corner.y, 1.0].into_iter().enumerate() {
@@ -71,13 +72,13 @@ impl Measurement<'_> {
         Some((0..5).flat_map(|i| (0..=i).map(move |j| (i, j))).map(|(i, j)| G_i[(i, j)]).collect())
     }
 
-    /// [`Measurement::zhang_information`] of many views, in their order.
+    /// [`Measurement::zhang_information`] of many views, each from its `X_CT` and of the corners seen, in their order.
     pub fn zhang_set<'b>(
         &self,
-        poses: impl IntoParallelIterator<Item = &'b Pose, Iter: IndexedParallelIterator>,
+        views: impl IntoParallelIterator<Item = (&'b Pose, &'b Corners), Iter: IndexedParallelIterator>,
     ) -> Option<InformationSet> {
-        let rows: Option<Vec<Vec<f64>>> =
-            poses.into_par_iter().with_min_len(32).map(|X_CT| self.zhang_information(X_CT)).collect();
+        let views = views.into_par_iter().with_min_len(32);
+        let rows: Option<Vec<Vec<f64>>> = views.map(|(X_CT, seen)| self.zhang_information(X_CT, seen)).collect();
         InformationSet::from_packed_unchecked(5, rows?.concat()).ok()
     }
 }
@@ -111,9 +112,9 @@ mod tests {
             Pose::from_parts(Vector3::new(0.02 * i as f64 - 0.05, 0.03, 0.55 + 0.03 * i as f64).into(), R)
         };
         let views: Vec<Pose> = (0..6).map(pose).collect();
-        let sum = views
-            .iter()
-            .fold(DMatrix::zeros(5, 5), |sum, X| sum + unpack(&measurement.zhang_information(X).unwrap(), 5));
+        let sum = views.iter().fold(DMatrix::zeros(5, 5), |sum, X| {
+            sum + unpack(&measurement.zhang_information(X, &Corners::All).unwrap(), 5)
+        });
         let predicted = sum.clone().cholesky().unwrap().inverse();
 
         let mut rng = Xoshiro256Plus::seed_from_u64(3);

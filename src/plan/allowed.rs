@@ -1,6 +1,6 @@
 //! The problem's constraints in terms of the survey's views.
 
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::{DMatrix, Point3, Vector3};
 use thiserror::Error;
 
 use super::survey::Survey;
@@ -10,6 +10,7 @@ use crate::information::packed::unpack;
 use crate::problem::{PoseConstraints, Problem};
 use crate::robot::JointKind;
 use crate::selection::{Cap, Constraints, Separation};
+use crate::target::Corners;
 
 /// Why the problem's constraints cannot be held.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -31,7 +32,7 @@ pub enum ConstraintError {
         region: usize,
     },
     /// A view taken already does not see the board.
-    #[error("from captured view {view} the nominal camera does not see every corner of the board")]
+    #[error("from captured view {view} the nominal camera does not see enough of the board")]
     CapturedUnseen {
         /// The view, from 1.
         view: usize,
@@ -100,10 +101,13 @@ pub(super) fn known(problem: &Problem) -> Result<DMatrix<f64>, ConstraintError> 
     for (view, q) in problem.constraints.captured.iter().enumerate() {
         let X_CT = problem.robot.camera_pose(q).inverse() * problem.target.X_BT;
         let camera = &problem.camera;
-        let in_image = |corner| camera.project(&(X_CT * corner)).is_some_and(|pixel| camera.contains(&pixel, 0.0));
+        let in_image =
+            |corner: &Point3<f64>| camera.project(&(X_CT * corner)).is_some_and(|pixel| camera.contains(&pixel, 0.0));
         let printed_side = (X_CT.rotation * Vector3::z()).dot(&X_CT.translation.vector) < 0.0;
-        let seen = printed_side && corners.iter().all(in_image);
-        let information = measurement.information(&X_CT).filter(|_| seen);
+        let seen: Vec<usize> = (0..corners.len()).filter(|&i| in_image(&corners[i])).collect();
+        let enough = printed_side && seen.len() >= problem.visibility.min_corners.unwrap_or(corners.len());
+        let seen = if seen.len() == corners.len() { Corners::All } else { Corners::Some(seen) };
+        let information = measurement.information(&X_CT, &seen).filter(|_| enough);
         let information = information.ok_or(ConstraintError::CapturedUnseen { view: view + 1 })?;
         known += unpack(&information, p);
     }

@@ -14,7 +14,8 @@ use crate::feasibility::View;
 use crate::problem::Problem;
 
 /// Columns of numbers beside the id: joint values (rad or m), camera position (m) and orientation, intersection of the
-/// optical axis with the target's plane (m, NaN where there is none), tilt (deg), distance (m).
+/// optical axis with the target's plane (m, NaN where there is none), tilt (deg), distance (m); the tip-over margin (m) where
+/// stability is tested, and the number of corners seen where not all must be.
 struct Table {
     names: Vec<String>,
     ids: Vec<i64>,
@@ -38,13 +39,18 @@ impl Table {
             "tilt_deg",
             "distance_m",
         ];
-        let names = joints.iter().map(|joint| format!("joint_{}", joint.name)).chain(fixed.map(String::from)).collect();
-        let mut columns = vec![Vec::with_capacity(views.len()); joints.len() + fixed.len()];
+        let names = joints.iter().map(|joint| format!("joint_{}", joint.name)).chain(fixed.map(String::from));
+        let margin = problem.stability.as_ref().map(|_| "stability_margin_m".to_owned());
+        let corners = problem.visibility.min_corners.map(|_| "corners".to_owned());
+        let names: Vec<String> = names.chain(margin).chain(corners).collect();
+        let mut columns = vec![Vec::with_capacity(views.len()); names.len()];
         for view in views {
             let pose = Pose::new(&view.X_BC);
             let target = view.target_point().map_or([f64::NAN; 3], |p| p.coords.into());
             let row = view.q.iter().copied().chain(pose.position_m).chain(pose.quaternion_xyzw).chain(target);
-            let row = row.chain([view.tilt().to_degrees(), view.distance()]);
+            let row = row.chain([view.tilt().to_degrees(), view.distance()]).chain(view.stability_margin);
+            let seen = || view.seen.indices(problem.target.board.corner_count()).len() as f64;
+            let row = row.chain(problem.visibility.min_corners.map(|_| seen()));
             for (column, number) in columns.iter_mut().zip(row) {
                 column.push(number);
             }

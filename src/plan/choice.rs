@@ -24,7 +24,7 @@ pub enum PlanError {
     #[error(transparent)]
     Survey(#[from] SurveyError),
     /// More poses are asked for than there are views.
-    #[error("{count} poses are asked for, but only {views} configurations see the whole board")]
+    #[error("{count} poses are asked for, but only {views} configurations see the board and can be taken")]
     TooFewViews {
         /// Poses asked for.
         count: usize,

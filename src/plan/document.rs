@@ -12,6 +12,7 @@ use crate::information::packed::{packed_len, unpack};
 use crate::problem::{Accuracy, Problem};
 use crate::robot::JointKind;
 use crate::selection::{Certificate, SearchEnd};
+use crate::target::Corners;
 
 /// Value of the key `format`.
 pub const PLAN_FORMAT: &str = "calipose.plan";
@@ -104,7 +105,7 @@ pub struct Candidates {
     pub axis_inside: usize,
     /// Optical axes that fall on the zone's edge.
     pub axis_edge: usize,
-    /// Configurations that see the whole board: what the poses were chosen from.
+    /// Configurations that passed every check: what the poses were chosen from.
     pub kept: usize,
     /// Candidates rejected, by reason.
     pub rejected: std::collections::BTreeMap<String, usize>,
@@ -212,6 +213,13 @@ pub struct PlannedPose {
     pub distance_m: f64,
     /// Share of the plan's information; the shares add up to one.
     pub share: f64,
+    /// Tip-over margin: distance of the projected centre of mass from the support polygon's nearest edge. Left out where
+    /// stability is not tested.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stability_margin_m: Option<f64>,
+    /// The corners seen, by index row by row. Left out where all are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub corners_seen: Option<Vec<usize>>,
 }
 
 /// A pose as position and unit quaternion.
@@ -318,7 +326,8 @@ impl Plan {
         text
     }
 
-    /// The bytes of `plan.csv`: one pose a line under a header, joint values in rad (m) under `joint_<name>`.
+    /// The bytes of `plan.csv`: one pose a line under a header, joint values in rad (m) under `joint_<name>`. The last column,
+    /// `stability_margin_m`, is there where stability is tested.
     ///
     /// # Errors
     /// Never in practice: the writer writes to memory.
@@ -327,11 +336,14 @@ impl Plan {
         let joints = self.joints.iter().map(|name| format!("joint_{name}"));
         let fixed = ["camera_x_m", "camera_y_m", "camera_z_m", "camera_qx", "camera_qy", "camera_qz", "camera_qw"];
         let header = joints.chain(fixed.map(String::from)).chain(["tilt_deg", "distance_m", "share"].map(String::from));
+        let tested = self.poses.iter().any(|pose| pose.stability_margin_m.is_some());
+        let header = header.chain(tested.then(|| "stability_margin_m".into()));
         writer.write_record(std::iter::once(String::from("id")).chain(header))?;
         for pose in &self.poses {
             let numbers = pose.joints_rad.iter().chain(&pose.camera_in_base.position_m);
             let numbers = numbers.chain(&pose.camera_in_base.quaternion_xyzw);
-            let numbers = numbers.chain([&pose.tilt_deg, &pose.distance_m, &pose.share]).map(f64::to_string);
+            let numbers = numbers.chain([&pose.tilt_deg, &pose.distance_m, &pose.share]);
+            let numbers = numbers.chain(&pose.stability_margin_m).map(f64::to_string);
             writer.write_record(std::iter::once(pose.id.to_string()).chain(numbers))?;
         }
         writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))
@@ -391,6 +403,11 @@ impl PlannedPose {
             tilt_deg: view.tilt().to_degrees(),
             distance_m: view.distance(),
             share,
+            stability_margin_m: view.stability_margin,
+            corners_seen: match &view.seen {
+                Corners::All => None,
+                Corners::Some(indices) => Some(indices.clone()),
+            },
         }
     }
 }

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use super::certify::Checked;
 use super::survey::{Survey, SurveyError};
@@ -198,10 +199,12 @@ impl<'a> ObjectiveTerm<'a> {
                     noise: problem.noise,
                     estimated: &problem.estimated,
                 };
-                let candidates = measurement.zhang_set(&poses()).ok_or(SurveyError::PoseUndetermined {
-                    columns: problem.target.board.columns,
-                    rows: problem.target.board.rows,
-                })?;
+                let candidates = measurement
+                    .zhang_set(survey.views.par_iter().map(|view| (&view.X_CT, &view.seen)))
+                    .ok_or(SurveyError::PoseUndetermined {
+                        columns: problem.target.board.columns,
+                        rows: problem.target.board.rows,
+                    })?;
                 let function = InformationFunction::min_eigenvalue();
                 term(Cow::Owned(candidates), None, function, owned(&ZHANG_DIRECTIONS))
             }

@@ -1,9 +1,10 @@
 //! The survey: all that is known of the candidates before any is chosen.
 
 use nalgebra::DMatrix;
+use rayon::prelude::*;
 use thiserror::Error;
 
-use crate::feasibility::{Rejection, View, visible_views};
+use crate::feasibility::{Rejection, View, feasible_views};
 use crate::information::{InformationSet, Measurement, map_error_weight};
 use crate::problem::Problem;
 use crate::sweep::{Sweep, sweep};
@@ -13,7 +14,7 @@ use crate::sweep::{Sweep, sweep};
 pub struct Survey {
     /// What the sweep found.
     pub sweep: Sweep,
-    /// The candidates that see the board.
+    /// The candidates that passed every check.
     pub views: Vec<View>,
     /// Candidates rejected, by the reasons of [`Rejection::ALL`].
     pub rejected: [usize; Rejection::ALL.len()],
@@ -32,8 +33,8 @@ pub enum SurveyError {
         /// Configurations swept.
         swept: usize,
     },
-    /// No candidate sees the board.
-    #[error("none of the {candidates} candidates sees the whole board; rejected: {}", describe_rejections(rejected))]
+    /// No candidate passes every check.
+    #[error("none of the {candidates} candidates is a view; rejected: {}", describe_rejections(rejected))]
     NoViews {
         /// Candidates that passed the sweep.
         candidates: usize,
@@ -70,15 +71,14 @@ pub fn survey(problem: &Problem, observe: &(dyn Fn(usize) + Sync)) -> Result<Sur
     if sweep.candidates.is_empty() {
         return Err(SurveyError::NoCandidates { swept: sweep.swept });
     }
-    let (views, rejected) = visible_views(robot, camera, target, &problem.visibility, space, &sweep.candidates);
+    let (views, rejected) = feasible_views(&problem.checks(), space, &sweep.candidates);
     if views.is_empty() {
         return Err(SurveyError::NoViews { candidates: sweep.candidates.len(), rejected });
     }
     let corners: Vec<_> = target.board.corners().collect();
     let measurement = Measurement { camera, corners: &corners, noise: problem.noise, estimated: &problem.estimated };
-    let poses: Vec<_> = views.iter().map(|view| view.X_CT).collect();
     let information = measurement
-        .information_set(&poses)
+        .information_set(views.par_iter().map(|view| (&view.X_CT, &view.seen)))
         .ok_or(SurveyError::PoseUndetermined { columns: target.board.columns, rows: target.board.rows })?;
     let map_weight = map_error_weight(camera, &problem.estimated);
     Ok(Survey { sweep, views, rejected, information, map_weight })

@@ -7,6 +7,7 @@ use crate::calibration::CalibrationSettings;
 use crate::information::{Measurement, map_error_weight};
 use crate::problem::Problem;
 use crate::spatial::Pose;
+use crate::target::Corners;
 use crate::verification::{Disturbance, MonteCarlo, MonteCarloError, Nominal, Prediction, Trials, monte_carlo};
 
 /// Why a plan could not be verified.
@@ -47,16 +48,25 @@ pub fn verify(
     let corners: Vec<_> = target.board.corners().collect();
     let measurement = Measurement { camera, corners: &corners, noise: *noise, estimated };
     let mut M = DMatrix::zeros(estimated.len(), estimated.len());
+    let mut seen = Vec::with_capacity(configurations.len());
+    let checks = problem.visibility.min_corners.map(|_| problem.checks());
     for (i, q) in configurations.iter().enumerate() {
+        let not_seen = VerifyError::NotSeen { pose: i + 1 };
+        let corners = match &checks {
+            Some(checks) => checks.view(i, q.clone()).map_err(|_| not_seen.clone())?.seen,
+            None => Corners::All,
+        };
         let X_CT: Pose = robot.camera_pose(q).inverse() * target.X_BT;
-        let information = measurement.information(&X_CT).ok_or(VerifyError::NotSeen { pose: i + 1 })?;
+        let information = measurement.information(&X_CT, &corners).ok_or(not_seen)?;
+        seen.push(corners);
         M += crate::information::packed::unpack(&information, estimated.len());
     }
     let unobservable = VerifyError::Unobservable { poses: configurations.len() };
     let covariance = M.cholesky().ok_or(unobservable)?.inverse();
     let map_weight = map_error_weight(camera, estimated);
     let nominal = Nominal { robot, camera, target, sigma: *noise };
-    let scene = |trial| disturbance.scene(&nominal, configurations, seed, trial);
+    let planned: Vec<_> = configurations.iter().zip(&seen).collect();
+    let scene = |trial| disturbance.scene(&nominal, &planned, seed, trial);
     let trials = Trials {
         camera,
         board: &target.board,

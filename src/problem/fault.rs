@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use miette::{Diagnostic, LabeledSpan};
 use thiserror::Error;
 
+use crate::feasibility::StabilityError;
 use crate::formats::FileReadError;
 
 /// One thing wrong with a problem file, and where.
@@ -125,6 +126,23 @@ pub enum Reason {
         /// Why not.
         error: FileReadError,
     },
+    /// A body has no shape.
+    NoShape {
+        /// The keys that give one.
+        allowed: Vec<String>,
+    },
+    /// Several links have the name.
+    Ambiguous {
+        /// The name.
+        name: String,
+    },
+    /// The points span no support polygon.
+    Support {
+        /// Why not.
+        error: StabilityError,
+    },
+    /// Stability is asked for, but nothing has a mass.
+    NoMasses,
     /// The sweep has more configurations than a computer can hold.
     TooManyConfigurations {
         /// How many; saturating.
@@ -221,6 +239,10 @@ impl Fault {
             Reason::NotUnit { norm } => format!("`{key}` has norm {}", Number(*norm)),
             Reason::FoldsBack { .. } => format!("`{key}` folds back within the image"),
             Reason::CameraFile { path, error } => format!("{}: {error}", path.display()),
+            Reason::NoShape { .. } => format!("`{key}` has no shape"),
+            Reason::Ambiguous { name } => format!("`{key}` is \"{name}\", which several links are called"),
+            Reason::Support { error } => error.to_string(),
+            Reason::NoMasses => format!("`{key}` needs masses, and no link has one"),
             Reason::TooManyConfigurations { configurations, .. } => {
                 format!("`{key}` makes {:.1e} configurations", *configurations as f64)
             }
@@ -234,7 +256,7 @@ impl Fault {
             Reason::Syntax { .. } => "here".into(),
             Reason::UnknownKey { .. } => "unknown key".into(),
             Reason::UnknownName { .. } => "unknown name".into(),
-            Reason::Missing { .. } => "to be added here".into(),
+            Reason::Missing { .. } | Reason::NoShape { .. } => "to be added here".into(),
             Reason::Type { expected, .. } => format!("must be {expected}"),
             Reason::OutOfRange { allowed, .. } => format!("must be {allowed}"),
             Reason::Reversed { .. } => "must be [min, max]".into(),
@@ -249,6 +271,9 @@ impl Fault {
                 format!("no direction is seen at pixel ({}, {})", Number(*u), Number(*v))
             }
             Reason::CameraFile { .. } => "must name a camera file".into(),
+            Reason::Ambiguous { .. } => "must name one link".into(),
+            Reason::Support { .. } => "must span an area".into(),
+            Reason::NoMasses => "cannot be tested".into(),
             Reason::TooManyConfigurations { most, .. } => format!("must make at most {}", Number(*most as f64)),
             Reason::TooManyJoints { most, .. } => format!("serves at most {most}"),
         }
@@ -275,6 +300,9 @@ impl Fault {
                                                      (`sample = 200000`); `axis = \"zone\"` holds only the \
                                                      configurations that point at the zone"
                 .into(),
+            Reason::NoShape { allowed } => format!("give one of {}", quoted(allowed)),
+            Reason::Ambiguous { .. } => "rename the joint".into(),
+            Reason::NoMasses => "give them in `[[robot.masses]]`".into(),
             Reason::TooManyJoints { .. } => "give a grid with `step_deg` or `step_mm` instead".into(),
             _ => return self.meaning.clone(),
         };

@@ -3,6 +3,7 @@
 //! A problem file is TOML. [`schema_json`] describes its keys, [`STARTER`] is one to start from, [`Problem::read`] checks
 //! one and builds the models. Everything wrong with a file is a [`Fault`] with its line, column and key.
 
+mod bodies;
 mod document;
 mod error;
 mod fault;
@@ -26,7 +27,7 @@ use miette::NamedSource;
 use sha2::{Digest, Sha256};
 
 use crate::camera::Camera;
-use crate::feasibility::VisibilityLimits;
+use crate::feasibility::{Checks, Stability, VisibilityLimits};
 use crate::information::Criterion;
 use crate::robot::{Limits, Robot};
 use crate::selection::Method;
@@ -57,6 +58,10 @@ pub struct Problem {
     pub axis: AxisRule,
     /// What a view must satisfy.
     pub visibility: VisibilityLimits,
+    /// Least distance in m between links; touching is a collision at 0.
+    pub clearance: f64,
+    /// What the robot stands on, where its stability is to be tested.
+    pub stability: Option<Stability>,
     /// Standard deviation of a detected corner in px, in each direction.
     pub noise: f64,
     /// The intrinsics to estimate: indices into the camera's, ascending.
@@ -180,6 +185,12 @@ fn most_configurations(rule: AxisRule) -> usize {
 }
 
 impl Problem {
+    /// The tests that make a configuration a view.
+    pub fn checks(&self) -> Checks<'_> {
+        let Self { robot, camera, target, visibility, clearance, stability, .. } = self;
+        Checks::new(robot, camera, target, visibility, *clearance, stability.as_ref())
+    }
+
     /// Names of the estimated intrinsics.
     pub fn estimated_names(&self) -> Vec<&'static str> {
         let names = self.camera.lens().parameter_names();

@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::bodies::{Body, Collision, Mass, Stability};
 use super::named::{MountName, Named};
 use super::shape::{NumberOrList, Numbers, Range, RangeOrSets, TextOrTable};
 use crate::camera::Lens;
@@ -36,6 +37,11 @@ pub(super) struct File {
     /// What a view must satisfy.
     #[serde(default)]
     pub(super) visibility: Visibility,
+    /// The test for self-collision.
+    #[serde(default)]
+    pub(super) collision: Collision,
+    /// The test for static stability; none when left out.
+    pub(super) stability: Option<Stability>,
     /// How well corners are detected.
     #[serde(default)]
     pub(super) noise: Noise,
@@ -67,6 +73,12 @@ pub(super) struct Robot {
     pub(super) flange: Option<Pose>,
     /// The rows of the table, one per joint.
     pub(super) joints: Vec<Joint>,
+    /// Solids attached to the links, for self-collision and occlusion.
+    #[serde(default)]
+    pub(super) bodies: Vec<Body>,
+    /// Masses attached to the links, for static stability.
+    #[serde(default)]
+    pub(super) masses: Vec<Mass>,
 }
 
 /// One row of the table.
@@ -123,6 +135,8 @@ pub(super) struct Camera {
     /// table with `position_mm` and `rpy_deg` or `quaternion_xyzw`.
     #[serde(default)]
     pub(super) mount: TextOrTable<Named<MountName>, Pose>,
+    /// Solid around the camera; its pose is in the camera frame.
+    pub(super) housing: Option<Body>,
     /// File with the nominal calibration, in place of all keys below: ROS `camera_info` YAML, OpenCV `FileStorage` YAML
     /// or JSON, or mrcal's cameramodel. Relative to the problem file's folder.
     pub(super) file: Option<String>,
@@ -180,6 +194,9 @@ pub(super) struct Target {
     pub(super) square_mm: f64,
     /// Pose of the board in the robot's base frame.
     pub(super) pose: Pose,
+    /// Thickness of the board, in mm: its body is a plate of the printed size under the printed side.
+    #[serde(default = "thickness")]
+    pub(super) thickness_mm: f64,
     /// The zone, centred on the board, that the optical axis is tested against; the printed board when left out.
     #[serde(default)]
     pub(super) zone: Zone,
@@ -229,7 +246,7 @@ pub(super) struct Published {
     pub(super) in_zone: u64,
 }
 
-/// What a view must satisfy besides showing every corner.
+/// What a view must satisfy besides showing the corners.
 #[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct Visibility {
@@ -245,6 +262,9 @@ pub(super) struct Visibility {
     pub(super) max_distance_mm: f64,
     /// Least distance between neighbouring corners in the image, in px.
     pub(super) min_corner_spacing_px: f64,
+    /// Fewest corners that make a view, for boards that can be read in part (`ChArUco`, grids of tags); every corner when left
+    /// out.
+    pub(super) min_corners: Option<u32>,
 }
 
 /// The error of a detected corner.
@@ -346,6 +366,10 @@ fn standard() -> Named<Convention> {
     Named(Convention::Standard)
 }
 
+fn thickness() -> f64 {
+    5.0
+}
+
 fn revolute() -> Named<JointKind> {
     Named(JointKind::Revolute)
 }
@@ -382,6 +406,7 @@ impl Default for Visibility {
             min_distance_mm: 0.0,
             max_distance_mm: 100_000.0,
             min_corner_spacing_px: 5.0,
+            min_corners: None,
         }
     }
 }

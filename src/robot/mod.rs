@@ -14,6 +14,8 @@ use crate::spatial::Pose;
 pub struct Robot {
     /// The joints from the base to the flange.
     pub chain: Chain,
+    /// All links with their bodies and masses; joint values as the chain's.
+    pub tree: Tree,
     /// Pose of the camera in the flange frame.
     pub X_FC: Pose,
 }

@@ -10,6 +10,8 @@ use crate::spatial::Pose;
 pub struct Tree {
     /// The links.
     pub links: Vec<Link>,
+    /// Pairs of links that are never tested for collision.
+    pub disabled: Vec<[usize; 2]>,
 }
 
 /// A rigid link and how it hangs on its parent.
@@ -121,6 +123,13 @@ impl Motion {
 }
 
 impl Tree {
+    /// Adds a link `name` with one body, fixed to link `parent` at `X_PJ`, and returns its number.
+    pub fn attach(&mut self, name: &str, parent: usize, X_PJ: Pose, body: Body) -> usize {
+        let motion = Motion::Fixed;
+        self.links.push(Link { name: name.into(), parent: Some(parent), X_PJ, motion, bodies: vec![body], mass: None });
+        self.links.len() - 1
+    }
+
     /// Poses `X_BL` of all links at joint values `q` (rad or m).
     pub fn link_poses(&self, q: &[f64]) -> Vec<Pose> {
         let mut poses: Vec<Pose> = Vec::with_capacity(self.links.len());
@@ -167,8 +176,8 @@ mod tests {
             multiplier: 2.0,
             offset: 0.0,
         };
-        let tree =
-            Tree { links: vec![bar("base", None, 0.0, Motion::Fixed, 3.0), bar("arm", Some(0), 1.0, about_z, 1.0)] };
+        let links = vec![bar("base", None, 0.0, Motion::Fixed, 3.0), bar("arm", Some(0), 1.0, about_z, 1.0)];
+        let tree = Tree { links, disabled: vec![] };
         let poses = tree.link_poses(&[std::f64::consts::FRAC_PI_4]);
         assert!((poses[1] * Point3::new(1.0, 0.0, 0.0) - Point3::new(1.0, 1.0, 0.0)).norm() < 1e-15);
         let center = tree.center_of_mass(&poses).unwrap();

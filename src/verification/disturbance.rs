@@ -9,7 +9,7 @@ use super::simulation::{Scene, trial_seed};
 use crate::camera::Camera;
 use crate::robot::{JointKind, Robot};
 use crate::spatial::Pose;
-use crate::target::Target;
+use crate::target::{Corners, Target};
 
 /// Deviations from the plan, drawn anew for every trial; all zero by default.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -48,8 +48,9 @@ pub struct Nominal<'a> {
 const STREAM: u64 = 0x6469_7374_7572_6265;
 
 impl Disturbance {
-    /// The scene of one trial: what the camera meets when the robot is told the joint values `configurations`.
-    pub fn scene(&self, nominal: &Nominal<'_>, configurations: &[Vec<f64>], seed: u64, trial: usize) -> Scene {
+    /// The scene of one trial: what the camera meets when the robot is told the joint values `planned`, and which corners the
+    /// plan expects to see there.
+    pub fn scene(&self, nominal: &Nominal<'_>, planned: &[(&Vec<f64>, &Corners)], seed: u64, trial: usize) -> Scene {
         let Nominal { robot, camera, target, sigma } = *nominal;
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(trial_seed(seed ^ STREAM, trial));
         let mut normal = |deviation: f64| deviation * rng.sample::<f64, _>(StandardNormal);
@@ -63,7 +64,7 @@ impl Disturbance {
             triple(self.mount_translation).into(),
             UnitQuaternion::from_scaled_axis(triple(self.mount_rotation)),
         );
-        let robot = Robot { chain: robot.chain.clone(), X_FC: robot.X_FC * mount };
+        let robot = Robot { X_FC: robot.X_FC * mount, ..robot.clone() };
         let mut pose = |q: &Vec<f64>| {
             let joints = robot.chain.joints.iter().zip(q);
             let q: Vec<f64> = joints
@@ -74,7 +75,7 @@ impl Disturbance {
                 .collect();
             robot.camera_pose(&q).inverse() * target.X_BT
         };
-        let poses: Vec<Pose> = configurations.iter().map(&mut pose).collect();
+        let poses: Vec<Pose> = planned.iter().map(|(q, _)| pose(q)).collect();
         let distance = |X_CT: &Pose| X_CT.translation.vector.norm();
         let nearest = poses.iter().map(distance).fold(f64::INFINITY, f64::min);
         let growth = |X_CT: &Pose| {
@@ -87,6 +88,7 @@ impl Disturbance {
         Scene {
             sigma: poses.iter().map(|X_CT| sigma * growth(X_CT)).collect(),
             poses,
+            seen: planned.iter().map(|&(_, seen)| seen.clone()).collect(),
             camera: camera.with_intrinsics(&θ).unwrap_or_else(|_| camera.clone()),
             missing: self.missing,
         }

@@ -281,6 +281,7 @@ mod tests {
     use crate::calibration::Start;
     use crate::calibration::refine;
     use crate::camera::Lens;
+    use crate::target::Corners;
 
     const BOARD: Board = Board { columns: 8, rows: 6, square: 0.035 };
 
@@ -321,6 +322,7 @@ mod tests {
             scene: &|_| Scene {
                 camera: camera.clone(),
                 poses: poses.clone(),
+                seen: vec![Corners::All; poses.len()],
                 sigma: vec![sigma; poses.len()],
                 missing: 0.0,
             },
@@ -365,6 +367,7 @@ mod tests {
             scene: &|_| Scene {
                 camera: camera.clone(),
                 poses: poses.to_vec(),
+                seen: vec![Corners::All; poses.len()],
                 sigma: vec![0.3; poses.len()],
                 missing: 0.0,
             },

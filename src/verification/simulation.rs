@@ -8,7 +8,7 @@ use rand_xoshiro::{SplitMix64, Xoshiro256PlusPlus};
 use crate::calibration::{Corner, FEWEST_CORNERS, ObservationError, Observations, View};
 use crate::camera::Camera;
 use crate::spatial::Pose;
-use crate::target::Board;
+use crate::target::{Board, Corners};
 
 /// What the camera really meets, as against what a plan supposes.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,6 +17,8 @@ pub struct Scene {
     pub camera: Camera,
     /// The true pose `X_CT` of the board in each view.
     pub poses: Vec<Pose>,
+    /// The corners to see in each view; others are hidden.
+    pub seen: Vec<Corners>,
     /// Standard deviation of a pixel coordinate in each view, px.
     pub sigma: Vec<f64>,
     /// Chance of each corner to go undetected.
@@ -32,8 +34,11 @@ impl Scene {
     pub fn observe(&self, board: &Board, seed: u64) -> Result<Observations, ObservationError> {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
         let mut views: Vec<View> = Vec::with_capacity(self.poses.len());
-        for (X_CT, sigma) in self.poses.iter().zip(&self.sigma) {
+        for ((X_CT, seen), sigma) in self.poses.iter().zip(&self.seen).zip(&self.sigma) {
             let mut see = |(index, p_T): (usize, Point3<f64>)| {
+                if !seen.contains(index) {
+                    return None;
+                }
                 let pixel = self.camera.project(&(X_CT * p_T)).filter(|pixel| self.camera.contains(pixel, 0.0))?;
                 if self.missing > 0.0 && rng.gen_bool(self.missing) {
                     return None;
@@ -60,7 +65,13 @@ pub fn simulate(
     sigma: f64,
     seed: u64,
 ) -> Result<Observations, ObservationError> {
-    let scene = Scene { camera: camera.clone(), poses: poses.to_vec(), sigma: vec![sigma; poses.len()], missing: 0.0 };
+    let scene = Scene {
+        camera: camera.clone(),
+        poses: poses.to_vec(),
+        seen: vec![Corners::All; poses.len()],
+        sigma: vec![sigma; poses.len()],
+        missing: 0.0,
+    };
     scene.observe(board, seed)
 }
 

@@ -1,5 +1,6 @@
 //! From the problem file's schema to the models: every check, and every conversion of units.
 
+mod bodies;
 mod camera;
 mod robot;
 mod selection;
@@ -15,6 +16,7 @@ use super::document::{Document, KeyPath};
 use super::fault::{Allowed, Fault, Reason};
 use super::shape::Numbers;
 use super::{Problem, schema, syntax};
+use crate::calibration::FEWEST_CORNERS;
 use crate::camera::{Camera, Lens};
 use crate::feasibility::VisibilityLimits;
 use crate::spatial::Pose;
@@ -38,10 +40,16 @@ pub(super) fn resolve(
     let stem = path.file_stem().map(std::ffi::OsStr::to_string_lossy).unwrap_or_default();
     let name = check.name(file.name.as_deref(), &stem);
     let output = check.output(&file.output, &name);
-    let robot = check.robot(&file.robot, &file.camera.mount);
+    let mut robot = check.robot(&file.robot, &file.camera);
     let camera = check.camera(&file.camera, path.parent().unwrap_or(Path::new("")));
     let target = check.target(&file.target);
-    let visibility = check.visibility(&file.visibility);
+    let thickness = check.length(&KeyPath::section("target").key("thickness_mm"), file.target.thickness_mm, SIZE);
+    if let (Some(robot), Some(target)) = (&mut robot, &target) {
+        Check::board(target, thickness, 0, &mut robot.tree);
+    }
+    let clearance = check.collision(&file.collision, robot.as_mut().map(|robot| &mut robot.tree));
+    let stability = check.stability(file.stability.as_ref(), robot.as_ref().map(|robot| &robot.tree));
+    let visibility = check.visibility(&file.visibility, u64::from(file.target.columns) * u64::from(file.target.rows));
     let noise = check.number(&KeyPath::section("noise").key("sigma_px"), file.noise.sigma_px, Allowed::positive(1e3));
     // Without its camera file the names of the lens's intrinsics are not known.
     let lens = camera.as_ref().map(Camera::lens).or_else(|| file.camera.stated_lens());
@@ -71,6 +79,8 @@ pub(super) fn resolve(
             published,
             axis: file.sweep.axis.0,
             visibility,
+            clearance,
+            stability,
             noise,
             estimated,
             prior_sigma,
@@ -164,8 +174,13 @@ impl Check<'_, '_> {
         }
     }
 
-    fn visibility(&mut self, visibility: &schema::Visibility) -> VisibilityLimits {
+    fn visibility(&mut self, visibility: &schema::Visibility, corners: u64) -> VisibilityLimits {
         let at = KeyPath::section("visibility");
+        let fewest = Allowed::between(FEWEST_CORNERS as f64, corners as f64);
+        let min_corners = visibility.min_corners.map(u64::from);
+        if let Some(least) = min_corners {
+            self.number(&at.key("min_corners"), least as f64, fewest);
+        }
         let max_distance = &at.key("max_distance_mm");
         let min_distance = self.length(&at.key("min_distance_mm"), visibility.min_distance_mm, NOT_NEGATIVE);
         let allowed = Allowed::between(visibility.min_distance_mm.max(0.0), 1e6);
@@ -184,6 +199,7 @@ impl Check<'_, '_> {
                 visibility.min_corner_spacing_px,
                 NOT_NEGATIVE,
             ),
+            min_corners: min_corners.filter(|&least| least < corners).map(|least| least as usize),
         }
     }
 

@@ -14,11 +14,7 @@ use crate::spatial::Pose;
 
 impl Check<'_, '_> {
     /// The robot, or none if its limits cannot be swept.
-    pub(super) fn robot(
-        &mut self,
-        robot: &schema::Robot,
-        mount: &TextOrTable<Named<MountName>, schema::Pose>,
-    ) -> Option<Robot> {
+    pub(super) fn robot(&mut self, robot: &schema::Robot, camera: &schema::Camera) -> Option<Robot> {
         let faults = self.faults.len();
         let at = KeyPath::section("robot");
         if robot.joints.is_empty() {
@@ -42,9 +38,18 @@ impl Check<'_, '_> {
             self.fault(&at.key("limits"), Reason::NotApplicable { to, instead: "leave it out".into() });
         }
         let X_nF = robot.flange.as_ref().map_or_else(Pose::identity, |flange| self.pose(&at.key("flange"), flange));
-        let X_FC = self.mount(mount);
+        let X_FC = self.mount(&camera.mount);
         let chain = dh::chain(&rows, robot.convention.0, X_nF);
-        (self.faults.len() == faults).then_some(Robot { chain, X_FC })
+        let mut tree = dh::tree(&rows, robot.convention.0, X_nF);
+        let frames = rows.iter().enumerate().map(|(i, row)| (row.name.as_str(), dh::frame_link(i + 1)));
+        let links = std::iter::once(("base", 0)).chain(frames).collect();
+        self.bodies(&robot.bodies, &links, &mut tree);
+        self.masses(&robot.masses, &links, &mut tree);
+        if let Some(housing) = &camera.housing {
+            let flange = tree.links.len() - 1;
+            self.housing(housing, X_FC, flange, &mut tree);
+        }
+        (self.faults.len() == faults).then_some(Robot { chain, tree, X_FC })
     }
 
     fn row(&mut self, at: &KeyPath, joint: &schema::Joint, set: Option<&str>) -> Row {

@@ -1,0 +1,226 @@
+//! From candidates to views: all tests, in turn.
+
+use nalgebra::{Point3, Vector3};
+use rayon::prelude::*;
+
+use super::collision::SelfCollision;
+use super::occlusion::Occlusion;
+use super::stability::Stability;
+use super::visibility::{VisibilityLimits, cos_tilt, enough, visible_corners};
+use crate::camera::Camera;
+use crate::robot::{Limits, Robot};
+use crate::spatial::Pose;
+use crate::sweep::JointSpace;
+use crate::target::{Corners, Target};
+
+/// A configuration that the robot can take and from which the camera sees the board.
+#[derive(Debug, Clone, PartialEq)]
+pub struct View {
+    /// The configuration's number in the joint space.
+    pub id: usize,
+    /// Joint values, rad or m.
+    pub q: Vec<f64>,
+    /// Pose of the camera in the base frame.
+    pub X_BC: Pose,
+    /// Pose of the board in the camera frame.
+    pub X_CT: Pose,
+    /// The corners that the camera sees.
+    pub seen: Corners,
+    /// Tip-over margin in m, where stability is tested: the distance of the projected centre of mass from the nearest edge
+    /// of the support polygon.
+    pub stability_margin: Option<f64>,
+}
+
+impl View {
+    /// Angle in rad between the optical axis and the board's normal; 0 when they are parallel.
+    pub fn tilt(&self) -> f64 {
+        cos_tilt(&self.X_CT).clamp(-1.0, 1.0).acos()
+    }
+
+    /// Distance in m from the camera to the board's centre.
+    pub fn distance(&self) -> f64 {
+        self.X_CT.translation.vector.norm()
+    }
+
+    /// Where the optical axis meets the board's plane, in the base frame; `None` if it runs parallel or away from it.
+    pub fn target_point(&self) -> Option<Point3<f64>> {
+        let normal_C = self.X_CT.rotation * Vector3::z();
+        let t = normal_C.dot(&self.X_CT.translation.vector) / normal_C.z;
+        (t.is_finite() && t > 0.0).then(|| self.X_BC * Point3::new(0.0, 0.0, t))
+    }
+}
+
+/// Why a candidate is not a view; the checks run in this order and the first that fails is the reason.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Rejection {
+    /// The camera is on the unprinted side of the board, or in its plane.
+    BackSide,
+    /// The board is nearer or farther than allowed.
+    Distance,
+    /// The board is seen at too flat an angle.
+    Incidence,
+    /// The board is tilted too far against the optical axis.
+    Tilt,
+    /// A corner is behind the camera or where the lens model is not one-to-one.
+    BeyondLens,
+    /// A corner is outside the image or in its margin.
+    OutsideImage,
+    /// Neighbouring corners are too close together in the image.
+    CornerSpacing,
+    /// The centre of mass is not over the support polygon, or too near its edge.
+    Unstable,
+    /// Two links are too close to each other.
+    SelfCollision,
+    /// A link hides a corner, or so many that too few are left.
+    Occluded,
+}
+
+impl Rejection {
+    /// Every reason, in the order of the checks.
+    pub const ALL: [Rejection; 10] = [
+        Rejection::BackSide,
+        Rejection::Distance,
+        Rejection::Incidence,
+        Rejection::Tilt,
+        Rejection::BeyondLens,
+        Rejection::OutsideImage,
+        Rejection::CornerSpacing,
+        Rejection::Unstable,
+        Rejection::SelfCollision,
+        Rejection::Occluded,
+    ];
+
+    /// Name as written in plans.
+    pub fn name(self) -> &'static str {
+        match self {
+            Rejection::BackSide => "back_side",
+            Rejection::Distance => "distance",
+            Rejection::Incidence => "incidence",
+            Rejection::Tilt => "tilt",
+            Rejection::BeyondLens => "beyond_lens",
+            Rejection::OutsideImage => "outside_image",
+            Rejection::CornerSpacing => "corner_spacing",
+            Rejection::Unstable => "unstable",
+            Rejection::SelfCollision => "self_collision",
+            Rejection::Occluded => "occluded",
+        }
+    }
+}
+
+/// The tests that make a candidate a view, prepared for one robot, camera and board.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Checks<'a> {
+    robot: &'a Robot,
+    camera: &'a Camera,
+    target: &'a Target,
+    visibility: &'a VisibilityLimits,
+    stability: Option<&'a Stability>,
+    collision: SelfCollision,
+    occlusion: Occlusion,
+    /// In T.
+    corners: Vec<Point3<f64>>,
+}
+
+impl<'a> Checks<'a> {
+    /// Prepares the tests; `clearance` (m) is the least distance between links.
+    pub fn new(
+        robot: &'a Robot,
+        camera: &'a Camera,
+        target: &'a Target,
+        visibility: &'a VisibilityLimits,
+        clearance: f64,
+        stability: Option<&'a Stability>,
+    ) -> Self {
+        let limits: Vec<Limits> = robot.chain.joints.iter().map(|joint| joint.limits).collect();
+        Self {
+            robot,
+            camera,
+            target,
+            visibility,
+            stability,
+            collision: SelfCollision::new(&robot.tree, &limits, clearance),
+            occlusion: Occlusion::new(&robot.tree),
+            corners: target.board.corners().collect(),
+        }
+    }
+
+    /// Whether the robot has bodies, that may collide or hide corners.
+    pub fn has_bodies(&self) -> bool {
+        !self.occlusion.is_empty()
+    }
+
+    /// The test for self-collision.
+    pub fn collision(&self) -> &SelfCollision {
+        &self.collision
+    }
+
+    /// The view from joint values `q`, which are configuration `id`, or the first reason that there is none.
+    ///
+    /// # Errors
+    /// The reason.
+    pub fn view(&self, id: usize, q: Vec<f64>) -> Result<View, Rejection> {
+        let X_BC = self.robot.camera_pose(&q);
+        let X_CT = X_BC.inverse() * self.target.X_BT;
+        let mut seen = visible_corners(self.camera, self.target, self.visibility, &self.corners, &X_CT)?;
+        let mut stability_margin = None;
+        if self.stability.is_some() || self.has_bodies() {
+            let X_BL = self.robot.tree.link_poses(&q);
+            stability_margin = self.stable(&X_BL)?;
+            if self.collision.collides(&X_BL) {
+                return Err(Rejection::SelfCollision);
+            }
+            seen = self.unhidden(&X_BL, &X_BC, seen)?;
+        }
+        Ok(View { id, q, X_BC, X_CT, seen, stability_margin })
+    }
+
+    /// The tip-over margin, where it is tested and wide enough.
+    fn stable(&self, X_BL: &[Pose]) -> Result<Option<f64>, Rejection> {
+        let Some(stability) = self.stability else { return Ok(None) };
+        let margin = stability.margin_at(&self.robot.tree, X_BL);
+        // Without masses nothing can be said, and nothing is promised.
+        if margin.is_some_and(|margin| margin >= stability.margin) { Ok(margin) } else { Err(Rejection::Unstable) }
+    }
+
+    /// Those of the corners that no link hides, if they are enough.
+    fn unhidden(&self, X_BL: &[Pose], X_BC: &Pose, seen: Corners) -> Result<Corners, Rejection> {
+        let indices = seen.indices(self.corners.len());
+        let corners: Vec<Point3<f64>> = indices.iter().map(|&i| self.corners[i]).collect();
+        let hidden = self.occlusion.hidden(X_BL, X_BC, &self.target.X_BT, &corners);
+        if !hidden.contains(&true) {
+            return Ok(seen);
+        }
+        let least = self.visibility.min_corners.ok_or(Rejection::Occluded)?;
+        let left = indices.into_iter().zip(hidden).filter(|(_, hidden)| !hidden).map(|(i, _)| i).collect();
+        enough(self.target, least, left).ok_or(Rejection::Occluded)
+    }
+}
+
+/// The candidates that are views, in ascending order, and how many were rejected for each reason of
+/// [`Rejection::ALL`]. The result does not depend on the number of threads.
+pub fn feasible_views(
+    checks: &Checks,
+    space: &JointSpace,
+    candidates: &[usize],
+) -> (Vec<View>, [usize; Rejection::ALL.len()]) {
+    // Chunk by chunk, so that the rejected take no memory.
+    let chunks: Vec<_> = candidates
+        .par_chunks(1024)
+        .map(|chunk| {
+            let mut rejected = [0; Rejection::ALL.len()];
+            let view = |verdict: Result<View, Rejection>| verdict.map_err(|reason| rejected[reason as usize] += 1).ok();
+            let test = |&id: &usize| checks.view(id, space.configuration(id));
+            let views: Vec<View> = chunk.iter().map(test).filter_map(view).collect();
+            (views, rejected)
+        })
+        .collect();
+    let mut rejected = [0; Rejection::ALL.len()];
+    let mut views = Vec::new();
+    for (some_views, some_rejected) in chunks {
+        views.extend(some_views);
+        for (sum, count) in rejected.iter_mut().zip(some_rejected) {
+            *sum += count;
+        }
+    }
+    (views, rejected)
+}
