@@ -2,7 +2,8 @@
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
-use super::{Chain, Joint, JointKind, Limits};
+use super::chain::Stage;
+use super::{Chain, Joint, JointKind, Limits, Link, Motion, Tree};
 use crate::spatial::Pose;
 
 /// One row of a Denavit–Hartenberg table; lengths in m, angles in rad.
@@ -38,8 +39,8 @@ pub enum Convention {
 /// The chain of a table, base first; `X_nF` is the pose of the flange in the last row's frame.
 pub fn chain(rows: &[Row], convention: Convention, X_nF: Pose) -> Chain {
     let mut X_before = Pose::identity();
-    let mut joints = Vec::with_capacity(rows.len());
-    for row in rows {
+    let mut stages = Vec::with_capacity(rows.len());
+    for (i, row) in rows.iter().enumerate() {
         let about_z = turn(Vector3::z_axis(), row.theta) * Translation3::new(0.0, 0.0, row.d);
         let along_x = Translation3::new(row.a, 0.0, 0.0) * turn(Vector3::x_axis(), row.alpha);
         // Both motions are about or along the same z, so the joint may move ahead of the row's own θ and d.
@@ -47,17 +48,26 @@ pub fn chain(rows: &[Row], convention: Convention, X_nF: Pose) -> Chain {
             Convention::Standard => (Pose::identity(), about_z * along_x),
             Convention::Modified => (along_x, about_z),
         };
-        joints.push(Joint {
-            name: row.name.clone(),
-            kind: row.kind,
-            X_PJ: X_before * ahead,
-            axis: Vector3::z_axis(),
-            limits: row.limits,
-            max_speed: row.max_speed,
-        });
+        let motion = Motion::Driven { joint: i, kind: row.kind, axis: Vector3::z_axis(), multiplier: 1.0, offset: 0.0 };
+        stages.push(Stage { X_PJ: X_before * ahead, motion });
         X_before = behind;
     }
-    Chain { joints, X_nF: X_before * X_nF }
+    let joint =
+        |row: &Row| Joint { name: row.name.clone(), kind: row.kind, limits: row.limits, max_speed: row.max_speed };
+    Chain { joints: rows.iter().map(joint).collect(), stages, X_nF: X_before * X_nF }
+}
+
+/// The links of a table, without bodies and masses: the base, one link per row, named after the joint that moves it and with
+/// that joint's moved frame, and the flange.
+pub fn tree(rows: &[Row], convention: Convention, X_nF: Pose) -> Tree {
+    let chain = chain(rows, convention, X_nF);
+    let mut links = vec![Link::fixed("base", None, Pose::identity())];
+    for (row, stage) in rows.iter().zip(chain.stages) {
+        let parent = Some(links.len() - 1);
+        links.push(Link { motion: stage.motion, ..Link::fixed(&row.name, parent, stage.X_PJ) });
+    }
+    links.push(Link::fixed("flange", Some(rows.len()), chain.X_nF));
+    Tree { links, ..Tree::default() }
 }
 
 fn turn(axis: nalgebra::Unit<Vector3<f64>>, angle: f64) -> Pose {

@@ -10,6 +10,8 @@ use crate::spatial::Pose;
 pub struct Tree {
     /// The links.
     pub links: Vec<Link>,
+    /// Pairs of links that are never tested for collision: indices, the lesser first, ascending.
+    pub disabled: Vec<[usize; 2]>,
 }
 
 /// A rigid link and how it hangs on its parent.
@@ -102,7 +104,25 @@ pub struct PointMass {
     pub center: Point3<f64>,
 }
 
+impl Link {
+    /// A link rigidly on its parent at `X_PJ`, without bodies and mass.
+    pub(super) fn fixed(name: &str, parent: Option<usize>, X_PJ: Pose) -> Self {
+        Self { name: name.to_owned(), parent, X_PJ, motion: Motion::Fixed, bodies: Vec::new(), mass: None }
+    }
+}
+
 impl Motion {
+    /// The motion that undoes this one.
+    #[must_use]
+    pub fn inverse(&self) -> Self {
+        match *self {
+            Motion::Fixed => Motion::Fixed,
+            Motion::Driven { joint, kind, axis, multiplier, offset } => {
+                Motion::Driven { joint, kind, axis, multiplier: -multiplier, offset: -offset }
+            }
+        }
+    }
+
     /// The pose of the moved joint frame in the joint frame.
     pub fn pose(&self, q: &[f64]) -> Pose {
         match *self {
@@ -167,8 +187,10 @@ mod tests {
             multiplier: 2.0,
             offset: 0.0,
         };
-        let tree =
-            Tree { links: vec![bar("base", None, 0.0, Motion::Fixed, 3.0), bar("arm", Some(0), 1.0, about_z, 1.0)] };
+        let tree = Tree {
+            links: vec![bar("base", None, 0.0, Motion::Fixed, 3.0), bar("arm", Some(0), 1.0, about_z, 1.0)],
+            disabled: Vec::new(),
+        };
         let poses = tree.link_poses(&[std::f64::consts::FRAC_PI_4]);
         assert!((poses[1] * Point3::new(1.0, 0.0, 0.0) - Point3::new(1.0, 1.0, 0.0)).norm() < 1e-15);
         let center = tree.center_of_mass(&poses).unwrap();

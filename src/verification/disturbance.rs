@@ -63,7 +63,7 @@ impl Disturbance {
             triple(self.mount_translation).into(),
             UnitQuaternion::from_scaled_axis(triple(self.mount_rotation)),
         );
-        let robot = Robot { chain: robot.chain.clone(), X_FC: robot.X_FC * mount };
+        let X_FC = robot.X_FC * mount;
         let mut pose = |q: &Vec<f64>| {
             let joints = robot.chain.joints.iter().zip(q);
             let q: Vec<f64> = joints
@@ -72,7 +72,7 @@ impl Disturbance {
                     JointKind::Prismatic => *q,
                 })
                 .collect();
-            robot.camera_pose(&q).inverse() * target.X_BT
+            (robot.chain.flange_pose(&q) * X_FC).inverse() * target.X_BT
         };
         let poses: Vec<Pose> = configurations.iter().map(&mut pose).collect();
         let distance = |X_CT: &Pose| X_CT.translation.vector.norm();

@@ -44,7 +44,9 @@ impl Check<'_, '_> {
         let X_nF = robot.flange.as_ref().map_or_else(Pose::identity, |flange| self.pose(&at.key("flange"), flange));
         let X_FC = self.mount(mount);
         let chain = dh::chain(&rows, robot.convention.0, X_nF);
-        (self.faults.len() == faults).then_some(Robot { chain, X_FC })
+        let tree = dh::tree(&rows, robot.convention.0, X_nF);
+        let camera_link = tree.links.len() - 1;
+        (self.faults.len() == faults).then_some(Robot { chain, X_FC, tree, board_link: 0, camera_link })
     }
 
     fn row(&mut self, at: &KeyPath, joint: &schema::Joint, set: Option<&str>) -> Row {
