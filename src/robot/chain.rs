@@ -49,6 +49,11 @@ pub struct Limits {
     pub max: f64,
 }
 
+impl Limits {
+    /// Half a turn either way: every direction of a joint without limits.
+    pub const FULL_TURN: Self = Self { min: -std::f64::consts::PI, max: std::f64::consts::PI };
+}
+
 /// One moving part of a chain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stage {
