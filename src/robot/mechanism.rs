@@ -11,6 +11,8 @@ pub struct Mechanism {
     pub tree: Tree,
     /// The joints that mimic no other.
     pub joints: Vec<Joint>,
+    /// Names of the joints that do.
+    pub followers: Vec<String>,
 }
 
 /// What makes an arm of a mechanism. Links are indices into its tree.
@@ -208,7 +210,8 @@ mod tests {
             joint("j2", revolute, -PI),
             joint("j3", revolute, -PI),
         ];
-        Mechanism { tree: Tree { links, disabled: vec![[0, 2], [3, 5]] }, joints }
+        let followers = vec!["finger".into()];
+        Mechanism { tree: Tree { links, disabled: vec![[0, 2], [3, 5]] }, joints, followers }
     }
 
     /// The whole mechanism's own kinematics, for every choice of links.

@@ -15,8 +15,11 @@ const DEEPEST: usize = 64;
 /// The positions of every geometry in the scene, in m; of every geometry as it stands, without a scene.
 pub(super) fn vertices(bytes: &[u8]) -> Result<Vec<Point3<f64>>, MeshError> {
     let text = text(bytes);
-    let document =
-        Document::parse(&text).map_err(|error| MeshError::at(error.pos().row as usize, error.to_string()))?;
+    let document = Document::parse(&text).map_err(|error| {
+        let message = error.to_string();
+        // The place at its end is told apart.
+        MeshError::at(error.pos().row as usize, message.rsplit_once(" at ").map_or(&*message, |(what, _)| what))
+    })?;
     let root = document.root_element();
     let unit = match descendant(root, "unit").and_then(|unit| unit.attribute("meter")) {
         Some(meter) => meter.parse().map_err(|_| MeshError::at(1, format!("the unit is \"{meter}\" m")))?,

@@ -51,6 +51,11 @@ impl<'a> UrdfJoint<'a> {
         };
         Ok(Self { element, name, parent, child, X_PJ, movement })
     }
+
+    /// Whether its value follows that of another joint.
+    pub(super) fn mimics(&self) -> bool {
+        self.movement.as_ref().is_some_and(|movement| movement.mimic.is_some())
+    }
 }
 
 impl<'a> Movement<'a> {

@@ -60,7 +60,8 @@ pub fn read_urdf(text: &str, folder: &Path, package_folders: &[PathBuf]) -> Resu
         place.insert(name, tree.links.len());
         tree.links.push(Link { name: name.into(), parent, X_PJ, motion, bodies, mass });
     }
-    Ok(Mechanism { tree, joints: free })
+    let followers = joints.iter().filter(|joint| joint.mimics()).map(|joint| joint.name.to_owned()).collect();
+    Ok(Mechanism { tree, joints: free, followers })
 }
 
 /// The elements by their names, each of which must occur once.

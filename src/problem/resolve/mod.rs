@@ -1,6 +1,7 @@
 //! From the problem file's schema to the models: every check, and every conversion of units.
 
 mod camera;
+mod described;
 mod robot;
 mod sweep;
 mod target;
@@ -37,8 +38,12 @@ pub(super) fn resolve(
     let stem = path.file_stem().map(std::ffi::OsStr::to_string_lossy).unwrap_or_default();
     let name = check.name(file.name.as_deref(), &stem);
     let output = check.output(&file.output, &name);
-    let robot = check.robot(&file.robot, &file.camera.mount);
-    let camera = check.camera(&file.camera, path.parent().unwrap_or(Path::new("")));
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let robot = match &file.robot.urdf {
+        Some(urdf) => check.described_robot(file, urdf, folder),
+        None => check.robot(file),
+    };
+    let camera = check.camera(&file.camera, folder);
     let target = check.target(&file.target);
     let visibility = check.visibility(&file.visibility);
     let noise = check.number(&KeyPath::section("noise").key("sigma_px"), file.noise.sigma_px, Allowed::positive(1e3));

@@ -1,4 +1,4 @@
-//! The arm and the camera's mount.
+//! The arm as a Denavit–Hartenberg table, and the camera's mount.
 
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
 
@@ -8,22 +8,20 @@ use crate::problem::fault::{Allowed, Reason};
 use crate::problem::named::{MountName, Named};
 use crate::problem::schema;
 use crate::problem::shape::{Numbers, Range, RangeOrSets, TextOrTable};
-use crate::robot::dh::{self, Row};
+use crate::robot::dh::{self, Convention, Row};
 use crate::robot::{JointKind, Limits, Robot};
 use crate::spatial::Pose;
 
 impl Check<'_, '_> {
     /// The robot, or none if its limits cannot be swept.
-    pub(super) fn robot(
-        &mut self,
-        robot: &schema::Robot,
-        mount: &TextOrTable<Named<MountName>, schema::Pose>,
-    ) -> Option<Robot> {
+    pub(super) fn robot(&mut self, file: &schema::File) -> Option<Robot> {
+        let robot = &file.robot;
         let faults = self.faults.len();
         let at = KeyPath::section("robot");
         if robot.joints.is_empty() {
-            self.fault(&at.key("joints"), Reason::Empty);
+            self.fault(&at.key("joints"), Reason::NoArm);
         }
+        self.without_urdf(file);
         let mut rows: Vec<Row> = Vec::with_capacity(robot.joints.len());
         for (i, joint) in robot.joints.iter().enumerate() {
             let at = at.key("joints").at(i);
@@ -42,11 +40,35 @@ impl Check<'_, '_> {
             self.fault(&at.key("limits"), Reason::NotApplicable { to, instead: "leave it out".into() });
         }
         let X_nF = robot.flange.as_ref().map_or_else(Pose::identity, |flange| self.pose(&at.key("flange"), flange));
-        let X_FC = self.mount(mount);
-        let chain = dh::chain(&rows, robot.convention.0, X_nF);
-        let tree = dh::tree(&rows, robot.convention.0, X_nF);
+        let X_FC = self.mount(&file.camera.mount);
+        let convention = robot.convention.map_or(Convention::Standard, |named| named.0);
+        let chain = dh::chain(&rows, convention, X_nF);
+        let tree = dh::tree(&rows, convention, X_nF);
         let camera_link = tree.links.len() - 1;
         (self.faults.len() == faults).then_some(Robot { chain, X_FC, tree, board_link: 0, camera_link })
+    }
+
+    /// Refuses what only a URDF gives a meaning to.
+    fn without_urdf(&mut self, file: &schema::File) {
+        let schema::Robot { srdf, package_folders, base_link, camera_link, .. } = &file.robot;
+        let schema::Robot { joint_values_deg, joint_values_mm, limits_deg, limits_mm, .. } = &file.robot;
+        let robot = KeyPath::section("robot");
+        let to = "a robot without `urdf`";
+        for (key, given) in [
+            ("srdf", srdf.is_some()),
+            ("package_folders", !package_folders.is_empty()),
+            ("base_link", base_link.is_some()),
+            ("camera_link", camera_link.is_some()),
+            ("joint_values_deg", !joint_values_deg.is_empty()),
+            ("joint_values_mm", !joint_values_mm.is_empty()),
+        ] {
+            self.refused(&robot.key(key), given, to, "leave it out");
+        }
+        for (key, given) in [("limits_deg", !limits_deg.is_empty()), ("limits_mm", !limits_mm.is_empty())] {
+            self.refused(&robot.key(key), given, to, &format!("give `{key}` to each of `robot.joints`"));
+        }
+        let link = KeyPath::section("target").key("link");
+        self.refused(&link, file.target.link.is_some(), to, "leave it out; the board is in the base frame");
     }
 
     fn row(&mut self, at: &KeyPath, joint: &schema::Joint, set: Option<&str>) -> Row {
@@ -88,9 +110,12 @@ impl Check<'_, '_> {
     }
 
     fn not_applicable(&mut self, at: &KeyPath, key: &str, given: bool, to: &str, instead: &str) {
+        self.refused(&at.key(key), given, to, &format!("use `{instead}`"));
+    }
+
+    pub(super) fn refused(&mut self, path: &KeyPath, given: bool, to: &str, instead: &str) {
         if given {
-            let reason = Reason::NotApplicable { to: to.into(), instead: format!("use `{instead}`") };
-            self.fault(&at.key(key), reason);
+            self.fault(path, Reason::NotApplicable { to: to.into(), instead: instead.into() });
         }
     }
 
@@ -126,7 +151,7 @@ impl Check<'_, '_> {
         }
     }
 
-    fn range(&mut self, path: &KeyPath, range: Range, allowed: Allowed) -> Range {
+    pub(super) fn range(&mut self, path: &KeyPath, range: Range, allowed: Allowed) -> Range {
         let Numbers([min, max]) = range;
         self.number(&path.at(0), min, allowed);
         self.number(&path.at(1), max, allowed);
@@ -136,7 +161,7 @@ impl Check<'_, '_> {
         range
     }
 
-    fn mount(&mut self, mount: &TextOrTable<Named<MountName>, schema::Pose>) -> Pose {
+    pub(super) fn mount(&mut self, mount: &TextOrTable<Named<MountName>, schema::Pose>) -> Pose {
         match mount {
             TextOrTable::Text(Named(MountName::OpticalAxisZ)) => Pose::identity(),
             TextOrTable::Text(Named(MountName::OpticalAxisX)) => {
