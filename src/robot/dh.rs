@@ -1,9 +1,8 @@
-//! Chains from Denavit–Hartenberg tables.
+//! Chains and trees from Denavit–Hartenberg tables.
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
-use super::chain::Stage;
-use super::{Chain, Joint, JointKind, Limits, Link, Motion, Tree};
+use super::{Chain, Joint, JointKind, Limits, Link, Motion, Stage, Tree};
 use crate::spatial::Pose;
 
 /// One row of a Denavit–Hartenberg table; lengths in m, angles in rad.
@@ -40,15 +39,10 @@ pub enum Convention {
 pub fn chain(rows: &[Row], convention: Convention, X_nF: Pose) -> Chain {
     let mut X_before = Pose::identity();
     let mut stages = Vec::with_capacity(rows.len());
-    for (i, row) in rows.iter().enumerate() {
-        let about_z = turn(Vector3::z_axis(), row.theta) * Translation3::new(0.0, 0.0, row.d);
-        let along_x = Translation3::new(row.a, 0.0, 0.0) * turn(Vector3::x_axis(), row.alpha);
-        // Both motions are about or along the same z, so the joint may move ahead of the row's own θ and d.
-        let (ahead, behind) = match convention {
-            Convention::Standard => (Pose::identity(), about_z * along_x),
-            Convention::Modified => (along_x, about_z),
-        };
-        let motion = Motion::Driven { joint: i, kind: row.kind, axis: Vector3::z_axis(), multiplier: 1.0, offset: 0.0 };
+    for (joint, row) in rows.iter().enumerate() {
+        let (ahead, behind) = row.split(convention);
+        let axis = Vector3::z_axis();
+        let motion = Motion::Driven { joint, kind: row.kind, axis, multiplier: 1.0, offset: 0.0 };
         stages.push(Stage { X_PJ: X_before * ahead, motion });
         X_before = behind;
     }
@@ -57,17 +51,46 @@ pub fn chain(rows: &[Row], convention: Convention, X_nF: Pose) -> Chain {
     Chain { joints: rows.iter().map(joint).collect(), stages, X_nF: X_before * X_nF }
 }
 
-/// The links of a table, without bodies and masses: the base, one link per row, named after the joint that moves it and with
-/// that joint's moved frame, and the flange.
+/// The links of a table: link 0 is the base, link [`frame_link`]`(i)` is DH frame i (the frame after row i, named after its
+/// joint), and the last link is the flange, `X_nF` from the last DH frame. In front of every DH frame stands a link without
+/// body or mass that the joint moves, because the row's fixed factors may follow the motion.
 pub fn tree(rows: &[Row], convention: Convention, X_nF: Pose) -> Tree {
-    let chain = chain(rows, convention, X_nF);
-    let mut links = vec![Link::fixed("base", None, Pose::identity())];
-    for (row, stage) in rows.iter().zip(chain.stages) {
-        let parent = Some(links.len() - 1);
-        links.push(Link { motion: stage.motion, ..Link::fixed(&row.name, parent, stage.X_PJ) });
+    let link = |name: String, parent: usize, X_PJ: Pose, motion: Motion| Link {
+        name,
+        parent: Some(parent),
+        X_PJ,
+        motion,
+        bodies: Vec::new(),
+        mass: None,
+    };
+    let mut links = vec![Link { parent: None, ..link("base".into(), 0, Pose::identity(), Motion::Fixed) }];
+    for (joint, row) in rows.iter().enumerate() {
+        let (ahead, behind) = row.split(convention);
+        let axis = Vector3::z_axis();
+        let motion = Motion::Driven { joint, kind: row.kind, axis, multiplier: 1.0, offset: 0.0 };
+        links.push(link(format!("{} axis", row.name), links.len() - 1, ahead, motion));
+        links.push(link(row.name.clone(), links.len() - 1, behind, Motion::Fixed));
     }
-    links.push(Link::fixed("flange", Some(rows.len()), chain.X_nF));
-    Tree { links, ..Tree::default() }
+    links.push(link("flange".into(), links.len() - 1, X_nF, Motion::Fixed));
+    Tree { links, disabled: Vec::new() }
+}
+
+/// Number of the link of [`tree`] that is DH frame `i`: the frame after row i, from 1; 0 is the base.
+pub fn frame_link(i: usize) -> usize {
+    2 * i
+}
+
+impl Row {
+    /// The row's fixed factors ahead of and behind the joint's motion about or along z.
+    fn split(&self, convention: Convention) -> (Pose, Pose) {
+        let about_z = turn(Vector3::z_axis(), self.theta) * Translation3::new(0.0, 0.0, self.d);
+        let along_x = Translation3::new(self.a, 0.0, 0.0) * turn(Vector3::x_axis(), self.alpha);
+        // Both motions are about or along the same z, so the joint may move ahead of the row's own θ and d.
+        match convention {
+            Convention::Standard => (Pose::identity(), about_z * along_x),
+            Convention::Modified => (along_x, about_z),
+        }
+    }
 }
 
 fn turn(axis: nalgebra::Unit<Vector3<f64>>, angle: f64) -> Pose {
@@ -113,6 +136,14 @@ mod tests {
         for convention in [Convention::Standard, Convention::Modified] {
             let X_BF = chain(&rows, convention, Pose::identity()).flange_pose(&q);
             assert!((X_BF.to_homogeneous() - by_matrices(&rows, convention, &q)).norm() < 1e-14);
+            let X_nF = Pose::new(Vector3::new(0.1, 0.2, 0.3), Vector3::new(0.4, 0.5, 0.6));
+            let links = tree(&rows, convention, X_nF).link_poses(&q);
+            for i in 0..=rows.len() {
+                let frame = by_matrices(&rows[..i], convention, &q);
+                assert!((links[frame_link(i)].to_homogeneous() - frame).norm() < 1e-14);
+            }
+            let X_BF = chain(&rows, convention, X_nF).flange_pose(&q);
+            assert!((links.last().unwrap().to_homogeneous() - X_BF.to_homogeneous()).norm() < 1e-14);
         }
     }
 
