@@ -20,10 +20,10 @@ use crate::spatial::Pose;
 pub struct Robot {
     /// The joints from the base to the flange.
     pub chain: Chain,
-    /// Pose of the camera in the flange frame.
-    pub X_FC: Pose,
     /// All links with their bodies and masses; joint values as the chain's.
     pub tree: Tree,
+    /// Pose of the camera in the flange frame.
+    pub X_FC: Pose,
     /// Link of the tree that carries the board: its frame is B.
     pub board_link: usize,
     /// Link of the tree that carries the camera: its frame is F.

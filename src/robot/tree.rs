@@ -10,7 +10,7 @@ use crate::spatial::Pose;
 pub struct Tree {
     /// The links.
     pub links: Vec<Link>,
-    /// Pairs of links that are never tested for collision: indices, the lesser first, ascending.
+    /// Pairs of links that are never tested for collision.
     pub disabled: Vec<[usize; 2]>,
 }
 
@@ -187,10 +187,8 @@ mod tests {
             multiplier: 2.0,
             offset: 0.0,
         };
-        let tree = Tree {
-            links: vec![bar("base", None, 0.0, Motion::Fixed, 3.0), bar("arm", Some(0), 1.0, about_z, 1.0)],
-            disabled: Vec::new(),
-        };
+        let links = vec![bar("base", None, 0.0, Motion::Fixed, 3.0), bar("arm", Some(0), 1.0, about_z, 1.0)];
+        let tree = Tree { links, disabled: vec![] };
         let poses = tree.link_poses(&[std::f64::consts::FRAC_PI_4]);
         assert!((poses[1] * Point3::new(1.0, 0.0, 0.0) - Point3::new(1.0, 1.0, 0.0)).norm() < 1e-15);
         let center = tree.center_of_mass(&poses).unwrap();
