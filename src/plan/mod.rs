@@ -6,6 +6,7 @@ mod comparison;
 mod document;
 mod files;
 mod next;
+mod reach;
 mod survey;
 mod verify;
 
@@ -18,5 +19,6 @@ pub use document::{
 };
 pub use files::{FileError, write_atomically, write_together};
 pub use next::{Proposal, Wish, next};
+pub use reach::reach_starts;
 pub use survey::{Survey, SurveyError, survey};
 pub use verify::{VerifyError, verify};

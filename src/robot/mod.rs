@@ -2,13 +2,17 @@
 
 mod chain;
 pub mod dh;
+mod inverse;
 mod mechanism;
 mod tree;
 
 pub(crate) use chain::product;
 pub use chain::{Chain, Joint, JointKind, Limits, Stage};
+pub use inverse::{ReachSettings, Reached, Starts, reach};
 pub use mechanism::{Assembly, Mechanism};
 pub use tree::{Body, Link, Motion, PointMass, Shape, Tree};
+
+use nalgebra::{Matrix6xX, Vector3, Vector6};
 
 use crate::spatial::Pose;
 
@@ -34,6 +38,28 @@ impl Robot {
     /// Pose `X_BC` of the camera in the base frame at joint values `q` (rad or m, one per joint).
     pub fn camera_pose(&self, q: &[f64]) -> Pose {
         self.chain.flange_pose(q) * self.X_FC
+    }
+
+    /// Pose `X_BC` of the camera, and its 6 × n derivative by the joint values: each column the motion (ω, v) of
+    /// [`perturb`](crate::spatial::perturb) per rad or m of a joint.
+    pub fn camera_jacobian(&self, q: &[f64]) -> (Pose, Matrix6xX<f64>) {
+        let X_BC = self.camera_pose(q);
+        let mut J = Matrix6xX::zeros(q.len());
+        let mut X_BP = Pose::identity();
+        for stage in &self.chain.stages {
+            let X_BJ = X_BP * stage.X_PJ;
+            if let Motion::Driven { joint, kind, axis, multiplier, .. } = stage.motion {
+                let axis = X_BJ.rotation * axis.into_inner() * multiplier;
+                let (ω, v) = match kind {
+                    JointKind::Revolute => (axis, axis.cross(&(X_BC.translation.vector - X_BJ.translation.vector))),
+                    JointKind::Prismatic => (Vector3::zeros(), axis),
+                };
+                let mut column = J.column_mut(joint);
+                column += Vector6::new(ω.x, ω.y, ω.z, v.x, v.y, v.z);
+            }
+            X_BP = X_BJ * stage.motion.pose(q);
+        }
+        (X_BC, J)
     }
 
     /// Poses `X_BL` of all links in the base frame at joint values `q` (rad or m).
