@@ -6,7 +6,8 @@
 //!
 //! The input is `{"joints": [names], "configurations": [[rad or m]]}`; joints that are not named stay at 0, those that mimic follow.
 //! The output has the links' names and, for each configuration, their poses in the root's frame, each as position (m) and
-//! quaternion x y z w, and the centre of mass (m) with the mass (kg).
+//! quaternion x y z w, and the centre of mass (m) with the mass (kg). `meshes` has, for each link, the bounding boxes of its
+//! collision meshes in the link's frame.
 
 #![allow(non_snake_case, clippy::print_stdout)]
 
@@ -15,6 +16,7 @@ use std::io::stdin;
 use std::path::{Path, PathBuf};
 
 use calipose::formats::read_urdf_file;
+use calipose::robot::{Link, Shape};
 use serde::Deserialize;
 use serde_json::json;
 
@@ -22,6 +24,24 @@ use serde_json::json;
 struct Request {
     joints: Vec<String>,
     configurations: Vec<Vec<f64>>,
+}
+
+/// Least and greatest coordinates in the link's frame of each mesh.
+fn mesh_bounds(link: &Link) -> Vec<[f64; 6]> {
+    let mut all = Vec::new();
+    for body in &link.bodies {
+        let Shape::Convex { points } = &body.shape else { continue };
+        let mut bounds = [f64::INFINITY, f64::INFINITY, f64::INFINITY, -f64::INFINITY, -f64::INFINITY, -f64::INFINITY];
+        for point in points {
+            let p = body.X_LG * point;
+            for i in 0..3 {
+                bounds[i] = bounds[i].min(p[i]);
+                bounds[i + 3] = bounds[i + 3].max(p[i]);
+            }
+        }
+        all.push(bounds);
+    }
+    all
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -54,6 +74,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         .iter()
         .map(|joint| json!({ "name": joint.name, "min": joint.limits.min, "max": joint.limits.max }))
         .collect();
-    println!("{}", json!({ "joints": joints, "links": links, "poses": poses, "centers": centers }));
+    let meshes: Vec<Vec<[f64; 6]>> = mechanism.tree.links.iter().map(mesh_bounds).collect();
+    println!("{}", json!({ "joints": joints, "links": links, "poses": poses, "centers": centers, "meshes": meshes }));
     Ok(())
 }

@@ -1,4 +1,4 @@
-"""Holds calipose's URDF kinematics against pinocchio: link poses and centres of mass.
+"""Holds calipose's reading of URDF against pinocchio: link poses, centres of mass, and the extent of collision meshes.
 
     python -m venv env
     env/bin/pip install pin==4.1.0 example-robot-data==6.0.0
@@ -27,6 +27,8 @@ GOLDEN = pathlib.Path(__file__).with_suffix(".json")
 SHARE = pathlib.Path(pin.__file__).resolve().parents[4] / "share"
 ROBOTS = SHARE / "example-robot-data" / "robots"
 TOLERANCE = 1e-12
+# Meshes are read by assimp on the other side, in single precision.
+MESH_TOLERANCE = 1e-6
 
 PUBLIC = [
     "ur_description/urdf/ur5_robot.urdf",
@@ -63,6 +65,19 @@ class Reference:
             else:
                 limit = joint.find("limit")
                 self.limits[name] = (float(limit.get("lower", 0)), float(limit.get("upper", 0)))
+
+    def mesh_bounds(self, path):
+        """Least and greatest coordinates of the collision meshes of each link, in the link's frame."""
+        geometry = pin.buildGeomFromUrdf(self.model, str(path), pin.GeometryType.COLLISION, package_dirs=[str(SHARE)])
+        bounds = {}
+        for object in geometry.geometryObjects:
+            if not hasattr(object.geometry, "num_vertices"):
+                continue
+            frame = self.model.frames[object.parentFrame]
+            X = frame.placement.inverse() * object.placement
+            points = np.array([X.act(object.geometry.vertex(i)) for i in range(object.geometry.num_vertices)])
+            bounds.setdefault(frame.name, []).append(np.r_[points.min(0), points.max(0)])
+        return bounds
 
     def value(self, name, values):
         if name in self.mimic:
@@ -112,10 +127,22 @@ def compare(path, configurations):
         if expected_center is not None:
             worst["center"] = max(worst["center"], np.linalg.norm(np.array(center[:3]) - expected_center))
             worst["mass"] = max(worst["mass"], abs(center[3] - mass))
+    bounds = reference.mesh_bounds(path)
+    meshes = 0
+    worst_mesh = 0.0
+    for name, boxes in zip(ours["links"], ours["meshes"]):
+        if len(boxes) != len(bounds.get(name, [])):
+            sys.exit(f"{path}: link {name} has {len(boxes)} meshes here, {len(bounds.get(name, []))} there")
+        for box, expected in zip(boxes, bounds.get(name, [])):
+            meshes += 1
+            worst_mesh = max(worst_mesh, np.abs(np.array(box) - expected).max())
     figures = "  ".join(f"{key} {value:.1e}" for key, value in worst.items())
     mimics = f", {len(reference.mimic)} mimicking" if reference.mimic else ""
-    print(f"{path.stem}: {len(place)} links, {len(names)} joints{mimics}; worst {figures}", flush=True)
-    return max(worst.values()) <= TOLERANCE
+    print(
+        f"{path.stem}: {len(place)} links, {len(names)} joints{mimics}; worst {figures}; {meshes} meshes {worst_mesh:.1e}",
+        flush=True,
+    )
+    return max(worst.values()) <= TOLERANCE and worst_mesh <= MESH_TOLERANCE
 
 
 def golden():

@@ -12,6 +12,9 @@ use super::{MeshError, text};
 /// Deepest nesting of nodes, which instances of nodes could make endless.
 const DEEPEST: usize = 64;
 
+/// Elements whose vertices make faces.
+const FACES: [&str; 5] = ["triangles", "polylist", "polygons", "trifans", "tristrips"];
+
 /// The positions of every geometry in the scene, in m; of every geometry as it stands, without a scene.
 pub(super) fn vertices(bytes: &[u8]) -> Result<Vec<Point3<f64>>, MeshError> {
     let text = text(bytes);
@@ -103,20 +106,37 @@ impl<'a> Scene<'a> {
         Ok(())
     }
 
-    /// Adds the positions of a geometry that stands at `X`.
+    /// Adds the positions that the faces of a geometry at `X` use.
     fn geometry(&mut self, geometry: Node<'a, 'a>, X: &Matrix4<f64>) -> Result<(), MeshError> {
-        let is_position = |node: &Node| node.attribute("semantic") == Some("POSITION");
-        let inputs: Vec<_> = geometry.descendants().filter(is_position).collect();
-        for input in inputs {
-            let Some(source) = self.referred(input, "source") else { continue };
-            let Some(array) = descendant(source, "float_array") else { continue };
-            let stride = descendant(source, "accessor").and_then(|accessor| accessor.attribute("stride"));
-            let stride = stride.and_then(|stride| stride.parse().ok()).unwrap_or(3).max(3);
-            for xyz in numbers(array)?.chunks_exact(stride) {
-                self.points.push(X.transform_point(&Point3::new(xyz[0], xyz[1], xyz[2])));
+        let is_face = |node: &Node| FACES.contains(&node.tag_name().name());
+        for faces in geometry.descendants().filter(is_face) {
+            let inputs = || faces.children().filter(|node| node.has_tag_name_of("input"));
+            let offset = |input: Node| input.attribute("offset").and_then(|offset| offset.parse::<usize>().ok());
+            let Some(vertex) = inputs().find(|input| input.attribute("semantic") == Some("VERTEX")) else { continue };
+            let Some(positions) = self.positions(vertex)? else { continue };
+            let per_corner = inputs().filter_map(offset).max().unwrap_or(0) + 1;
+            for p in faces.children().filter(|node| node.has_tag_name_of("p")) {
+                let indices = p.text().unwrap_or_default().split_whitespace();
+                for index in indices.skip(offset(vertex).unwrap_or(0)).step_by(per_corner) {
+                    let position = index.parse().ok().and_then(|index: usize| positions.get(index));
+                    let unknown = || MeshError::at(line(p), format!("there is no vertex \"{index}\""));
+                    self.points.push(X.transform_point(position.ok_or_else(unknown)?));
+                }
             }
         }
         Ok(())
+    }
+
+    /// The positions of the vertices that an input names.
+    fn positions(&self, vertex: Node<'a, 'a>) -> Result<Option<Vec<Point3<f64>>>, MeshError> {
+        let Some(vertices) = self.referred(vertex, "source") else { return Ok(None) };
+        let position = vertices.children().find(|node| node.attribute("semantic") == Some("POSITION"));
+        let Some(source) = position.and_then(|position| self.referred(position, "source")) else { return Ok(None) };
+        let Some(array) = descendant(source, "float_array") else { return Ok(None) };
+        let stride = descendant(source, "accessor").and_then(|accessor| accessor.attribute("stride"));
+        let stride = stride.and_then(|stride| stride.parse().ok()).unwrap_or(3).max(3);
+        let numbers = numbers(array)?;
+        Ok(Some(numbers.chunks_exact(stride).map(|xyz| Point3::new(xyz[0], xyz[1], xyz[2])).collect()))
     }
 }
 

@@ -1,9 +1,9 @@
-//! The vertices of meshes, which is all that their convex hull needs.
+//! The vertices of meshes that faces use, which is all that their convex hull needs.
 //!
 //! | file | module | what is read |
 //! |---|---|---|
 //! | STL, binary and ASCII | `stl` | the corners of the triangles |
-//! | Wavefront OBJ | `obj` | the `v` lines |
+//! | Wavefront OBJ | `obj` | the `v` lines that `f` lines use |
 //! | COLLADA (DAE) | `collada` | the positions of every geometry instance in the scene, in m |
 
 mod collada;
@@ -143,6 +143,7 @@ mod tests {
             obj += &format!("f {}/1/1 {}/1/1 {}/1/1\n", face[0] + 1, face[1] + 1, face[2] + 1);
         }
         ascii += "endsolid\n";
+        obj += "v 9 9 9\nf -5 -4 2\n";
         assert_eq!(read("a.STL", ascii.as_bytes()).unwrap(), corners);
         assert_eq!(read("b.stl", &binary).unwrap(), corners);
         assert_eq!(read("c.obj", obj.as_bytes()).unwrap(), corners);
@@ -153,10 +154,13 @@ mod tests {
         // In cm, with x and y exchanged by the node's matrix, instanced once more 10 cm higher.
         let dae = r##"<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema"><asset><unit meter="0.01"/></asset>
             <library_geometries><geometry id="g"><mesh>
-              <source id="p"><float_array id="pa" count="12">0 0 0 200 0 0 0 100 0 0 0 400</float_array>
-                <technique_common><accessor source="#pa" count="4" stride="3"/></technique_common></source>
+              <source id="p"><float_array id="pa" count="15">0 0 0 200 0 0 0 100 0 0 0 400 7 7 7</float_array>
+                <technique_common><accessor source="#pa" count="5" stride="3"/></technique_common></source>
               <source id="n"><float_array id="na" count="3">9 9 9</float_array></source>
               <vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+              <triangles count="4"><input semantic="NORMAL" source="#n" offset="0"/>
+                <input semantic="VERTEX" source="#v" offset="1"/>
+                <p>0 0 0 1 0 2 0 0 0 1 0 3</p><p>0 0 0 2 0 3 0 1 0 2 0 3</p></triangles>
             </mesh></geometry></library_geometries>
             <library_visual_scenes><visual_scene id="s">
               <node><matrix>0 1 0 0 1 0 0 0 0 0 1 0 0 0 0 1</matrix><instance_geometry url="#g"/></node>
@@ -186,14 +190,16 @@ mod tests {
                 short,
                 fail("word.stl", "solid\nvertex 1 2 x\n"),
                 fail("two.obj", "v 1 2 3\nv 1 2\n"),
-                fail("nan.obj", "v 1 2 3\nv nan 1 2\n"),
-                fail("flat.obj", "v 0 0 0\nv 0 0 1\nv 0 0 1\n"),
+                fail("unknown.obj", "v 1 2 3\nf 1 2 3\n"),
+                fail("nan.obj", "v 1 2 3\nv nan 1 2\nf 1 2 1"),
+                fail("flat.obj", "v 0 0 0\nv 0 0 1\nv 0 0 1\nf 1 2 3\n"),
                 fail("broken.dae", "<COLLADA>\n<a></COLLADA>"),
                 fail("none.dae", "<COLLADA/>"),
                 fail(
                     "word.dae",
                     "<COLLADA><library_geometries><geometry id='g'><mesh>\n<source id='p'><float_array>1 2 y</float_array></source>\
-                     <vertices><input semantic='POSITION' source='#p'/></vertices></mesh></geometry></library_geometries></COLLADA>"
+                     <vertices id='v'><input semantic='POSITION' source='#p'/></vertices><triangles>\
+                     <input semantic='VERTEX' source='#v' offset='0'/><p>0 0 0</p></triangles></mesh></geometry></library_geometries></COLLADA>"
                 ),
             ]
             .join("\n"),
@@ -203,6 +209,7 @@ mod tests {
         7 triangles take 434 bytes, the file has 84
         line 2: "x" is not a number
         line 2: a vertex has three coordinates
+        line 2: there is no vertex "2" yet
         vertex 2 is not finite
         the mesh has 2 different vertices; a solid has at least 4
         line 2: expected 'a' tag, not 'COLLADA'

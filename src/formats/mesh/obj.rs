@@ -4,14 +4,29 @@ use nalgebra::Point3;
 
 use super::{MeshError, point, text};
 
-/// The vertices, whether or not faces use them.
+/// The vertices that faces use, once for each use.
 pub(super) fn vertices(bytes: &[u8]) -> Result<Vec<Point3<f64>>, MeshError> {
-    let mut points = Vec::new();
+    let mut all = Vec::new();
+    let mut used = Vec::new();
     for (i, line) in text(bytes).lines().enumerate() {
         let mut words = line.split_whitespace();
-        if words.next() == Some("v") {
-            points.push(point(words, i + 1)?);
+        match words.next() {
+            Some("v") => all.push(point(words, i + 1)?),
+            Some("f") => {
+                for corner in words {
+                    let unknown = || MeshError::at(i + 1, format!("there is no vertex \"{corner}\" yet"));
+                    used.push(all[index(corner, all.len()).ok_or_else(unknown)?]);
+                }
+            }
+            _ => {}
         }
     }
-    Ok(points)
+    Ok(used)
+}
+
+/// The index in a face's corner, `7`, `7/1`, `7//3` or `7/1/3`: from 1, or from the latest of `count` backwards.
+fn index(corner: &str, count: usize) -> Option<usize> {
+    let number: i64 = corner.split('/').next()?.parse().ok()?;
+    let index = if number < 0 { count as i64 + number } else { number - 1 };
+    usize::try_from(index).ok().filter(|&index| index < count)
 }
