@@ -26,7 +26,8 @@ pub(super) fn vertices(bytes: &[u8]) -> Result<Vec<Point3<f64>>, MeshError> {
 
 /// The index in a face's corner, `7`, `7/1`, `7//3` or `7/1/3`: from 1, or from the latest of `count` backwards.
 fn index(corner: &str, count: usize) -> Option<usize> {
-    let number: i64 = corner.split('/').next()?.parse().ok()?;
-    let index = if number < 0 { count as i64 + number } else { number - 1 };
-    usize::try_from(index).ok().filter(|&index| index < count)
+    let number: isize = corner.split('/').next()?.parse().ok()?;
+    let back = number.unsigned_abs();
+    let index = if number < 0 { count.checked_sub(back) } else { back.checked_sub(1) };
+    index.filter(|&index| index < count)
 }
