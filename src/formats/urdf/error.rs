@@ -22,7 +22,7 @@ pub struct UrdfError {
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum UrdfFault {
     /// The text is not XML.
-    #[error("this is not XML: {message}")]
+    #[error("this cannot be read as XML: {message}")]
     Syntax {
         /// What the parser says.
         message: String,
