@@ -49,16 +49,16 @@ impl Check<'_, '_> {
         }
         self.described_limits(&at, robot, &mut mechanism);
         let held = self.held(&at, robot, &mechanism);
-        let base_link = self.link(&at.key("base_link"), robot.base_link.as_deref(), &mechanism);
+        let base_link = self.described_link(&at.key("base_link"), robot.base_link.as_deref(), &mechanism);
         let board_at = KeyPath::section("target").key("link");
-        let board_link = self.link(&board_at, file.target.link.as_deref(), &mechanism);
+        let board_link = self.described_link(&board_at, file.target.link.as_deref(), &mechanism);
         let camera_at = at.key("camera_link");
         let camera_link = match &robot.camera_link {
             None => {
                 self.fault(&camera_at, Reason::Missing { allowed: link_names(&mechanism) });
                 None
             }
-            name => self.link(&camera_at, name.as_deref(), &mechanism),
+            name => self.described_link(&camera_at, name.as_deref(), &mechanism),
         };
         if self.faults.len() > faults {
             return None;
@@ -77,7 +77,7 @@ impl Check<'_, '_> {
     }
 
     /// The link of that name, if one is given.
-    fn link(&mut self, path: &KeyPath, name: Option<&str>, mechanism: &Mechanism) -> Option<usize> {
+    fn described_link(&mut self, path: &KeyPath, name: Option<&str>, mechanism: &Mechanism) -> Option<usize> {
         let name = name?;
         let link = mechanism.link(name);
         if link.is_none() {
@@ -95,7 +95,7 @@ impl Check<'_, '_> {
             for (name, &range) in ranges {
                 let at = at.key(key).key(name);
                 let Numbers([min, max]) = self.range(&at, range, allowed);
-                if let Some(joint) = self.joint(&at, name, kind, mechanism) {
+                if let Some(joint) = self.described_joint(&at, name, kind, mechanism) {
                     mechanism.joints[joint].limits = Limits { min: si(kind, min), max: si(kind, max) };
                 }
             }
@@ -111,7 +111,7 @@ impl Check<'_, '_> {
         ] {
             for (name, &value) in values {
                 let at = at.key(key).key(name);
-                if let Some(joint) = self.joint(&at, name, kind, mechanism) {
+                if let Some(joint) = self.described_joint(&at, name, kind, mechanism) {
                     self.number(&at, value, allowed_values(&mechanism.joints[joint]));
                     held[joint] = Some(si(kind, value));
                 }
@@ -121,7 +121,7 @@ impl Check<'_, '_> {
     }
 
     /// The joint of that name, which must be of that kind and mimic no other.
-    fn joint(&mut self, path: &KeyPath, name: &str, kind: JointKind, mechanism: &Mechanism) -> Option<usize> {
+    fn described_joint(&mut self, path: &KeyPath, name: &str, kind: JointKind, mechanism: &Mechanism) -> Option<usize> {
         let follows = mechanism.followers.iter().any(|follower| follower == name);
         self.refused(path, follows, "a joint that mimics another", "give it for the joint that it mimics");
         let Some(joint) = mechanism.joint(name) else {
