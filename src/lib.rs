@@ -29,8 +29,9 @@
 //!
 //! # Conventions
 //!
-//! - **Frames**: B robot base, F flange, C camera (x right, y down, z forward, as in OpenCV), T target (origin at the
-//!   board's centre, x along its columns, y along its rows, z out of its printed side), L a link, G a body on it. `X_AB` is the pose of B in A and maps
+//! - **Frames**: B robot base (of a board on a moving link that link's frame), F flange, C camera (x right, y down, z forward, as in
+//!   OpenCV), T target (origin at the board's centre, x along its columns, y along its rows, z out of its printed side), L a link, G a
+//!   body on it. `X_AB` is the pose of B in A and maps
 //!   B's coordinates to A's; adjacent letters cancel: `X_CT = X_BC⁻¹ · X_BT`.
 //! - **Units**: metres, radians and pixels inside. Problem files have their units in the keys; they are converted in
 //!   `problem` alone.

@@ -3,7 +3,9 @@
 //! Frame **T** has its origin at the board's centre, x along its columns, y along its rows and z out of its
 //! printed side.
 
-use nalgebra::Point3;
+use std::f64::consts::PI;
+
+use nalgebra::{Point3, UnitQuaternion, Vector3};
 
 use crate::spatial::Pose;
 
@@ -122,6 +124,19 @@ impl Corners {
     }
 }
 
+/// Pose `X_TC` of a camera whose optical axis goes through the board's centre, from `distance` (m) away.
+///
+/// It stands `tilt` (rad) off the board's normal, in the direction `azimuth` from the board's x towards its y. At roll 0 its
+/// image is turned no further than it takes to look there: from straight ahead, `x_C` is `x_T` and `y_C` is `−y_T`. `roll` turns the
+/// camera about its optical axis.
+pub fn viewpoint(distance: f64, tilt: f64, azimuth: f64, roll: f64) -> Pose {
+    let about = |axis, angle| UnitQuaternion::from_axis_angle(&axis, angle);
+    let (x, y, z) = (Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis());
+    let lean = about(z, azimuth) * about(y, tilt) * about(z, -azimuth);
+    let position = lean * Vector3::new(0.0, 0.0, distance);
+    Pose::from_parts(position.into(), lean * about(x, PI) * about(z, roll))
+}
+
 impl Zone {
     /// The case of a point of the plane, given by its coordinates in T in metres.
     pub fn case(&self, x: f64, y: f64) -> AxisCase {
@@ -163,6 +178,21 @@ mod tests {
         // Of four corners three on a line, whichever comes first.
         assert!(!board.fix_homography(&[4, 0, 8, 5]) && !board.fix_homography(&[5, 0, 4, 8]));
         assert!(board.fix_homography(&[4, 0, 8, 5, 6]));
+    }
+
+    #[test]
+    fn viewpoints_look_at_the_centre() {
+        let straight = viewpoint(0.5, 0.0, 1.0, 0.0);
+        assert!((straight.rotation * Vector3::x() - Vector3::x()).norm() < 1e-15);
+        assert!((straight * Point3::new(0.0, 0.0, 0.5)).coords.norm() < 1e-15);
+        let (tilt, azimuth) = (0.6, 2.0);
+        let X_TC = viewpoint(0.8, tilt, azimuth, 0.7);
+        assert!((X_TC * Point3::new(0.0, 0.0, 0.8)).coords.norm() < 1e-15);
+        let expected = Vector3::new(tilt.sin() * azimuth.cos(), tilt.sin() * azimuth.sin(), tilt.cos()) * 0.8;
+        assert!((X_TC.translation.vector - expected).norm() < 1e-15);
+        // Roll turns about the optical axis alone.
+        let unrolled = viewpoint(0.8, tilt, azimuth, 0.0);
+        assert!((unrolled.rotation.angle_to(&X_TC.rotation) - 0.7).abs() < 1e-14);
     }
 
     #[test]

@@ -24,7 +24,7 @@ const ORDER: [&str; 14] = [
 ];
 
 /// Crates that read files or talk to people, and the modules that may.
-const OUTWARD: [&str; 5] = ["serde", "toml", "saphyr_parser", "clap", "indicatif"];
+const OUTWARD: [&str; 6] = ["serde", "toml", "saphyr_parser", "roxmltree", "clap", "indicatif"];
 const OUTWARD_MODULES: [&str; 4] = ["formats", "problem", "plan", "cli"];
 
 /// A source file, and the module at the crate's root that it belongs to.

@@ -397,6 +397,23 @@ fn verify_refuses_what_is_no_plan_of_the_problem() {
     assert!(desk.complaint("verify out/plan.json --problem coarse.toml", 3).contains("version 9"));
 }
 
+/// The hash in a plan is of the problem file; the robot is in another.
+#[test]
+fn a_plan_for_a_robot_that_has_changed_is_refused() {
+    let desk = Desk::new();
+    std::fs::create_dir(desk.path("urdf")).unwrap();
+    let urdf = std::fs::read_to_string("problems/urdf/six-axis-rover.urdf").unwrap();
+    let problem = std::fs::read_to_string("problems/six-axis-rover.toml").unwrap();
+    std::fs::write(desk.path("urdf/six-axis-rover.urdf"), &urdf).unwrap();
+    std::fs::write(desk.path("rover.toml"), problem.replace("sample = 500_000", "sample = 30_000")).unwrap();
+    desk.stdout("plan rover.toml -q --trials 0 -o out");
+    desk.stdout("verify out/plan.json -n 4");
+    let changed = urdf.replace("xyz=\"0 0.12 0.48\"", "xyz=\"0 0.12 0.481\"");
+    assert_ne!(changed, urdf);
+    std::fs::write(desk.path("urdf/six-axis-rover.urdf"), changed).unwrap();
+    assert!(desk.complaint("verify out/plan.json -n 4", 3).contains("another robot"));
+}
+
 /// Views that repeat each other exactly teach in proportion, where rounding decides what greedy sees.
 #[test]
 fn a_robot_that_cannot_move_the_camera_gets_an_answer() {

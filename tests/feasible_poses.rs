@@ -2,11 +2,12 @@
 
 #![allow(non_snake_case, clippy::unwrap_used)]
 
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::Command;
 
 use calipose::feasibility::{Rejection, View, feasible_views};
-use calipose::plan::{Chooser, Plan, survey, verify};
+use calipose::plan::{Chooser, Plan, make, survey, verify};
 use calipose::problem::Problem;
 use calipose::sweep::sweep;
 use calipose::target::Corners;
@@ -75,11 +76,13 @@ fn verdicts_are_the_same_on_any_number_of_threads() {
 fn plans_have_the_tip_over_margin_of_every_pose() {
     let problem = bodies();
     let survey = survey(&problem, &|_| {}).unwrap();
-    let chooser = Chooser::new(&problem, &survey);
-    let (choice, certificate) = chooser.best(8, 0).unwrap();
-    let plan = Plan::new(&problem, &survey, &chooser, &choice, &certificate);
+    let chooser = Chooser::new(&problem, &survey).unwrap();
+    let mut settings = problem.clone();
+    settings.selection.count = 8;
+    let (made, chooser) = make(&settings, chooser, &mut |_| ControlFlow::Continue(())).unwrap();
+    let plan = Plan::new(&problem, &chooser, &made).unwrap();
     let json: serde_json::Value = serde_json::from_str(&plan.to_json()).unwrap();
-    for (pose, &i) in json["poses"].as_array().unwrap().iter().zip(&choice.selected) {
+    for (pose, &i) in json["poses"].as_array().unwrap().iter().zip(&made.choice.selected) {
         assert_eq!(pose["stability_margin_m"].as_f64(), survey.views[i].stability_margin);
         assert_eq!(pose.get("corners_seen"), None);
     }
@@ -139,7 +142,7 @@ fn boards_read_in_part_keep_the_corners_that_are_seen() {
 fn plans_of_partial_views_do_what_they_predict() {
     let problem = partial(20);
     let survey = survey(&problem, &|_| {}).unwrap();
-    let (choice, _) = Chooser::new(&problem, &survey).best(12, 0).unwrap();
+    let (choice, _) = Chooser::new(&problem, &survey).unwrap().best(12, 0).unwrap();
     let chosen: Vec<&View> = choice.selected.iter().map(|&i| &survey.views[i]).collect();
     assert!(chosen.iter().any(|view| view.seen != Corners::All), "the plan must use the partial views");
     let configurations: Vec<_> = chosen.iter().map(|view| view.q.clone()).collect();

@@ -29,6 +29,24 @@ fn every_shipped_file_loads() {
     }
 }
 
+/// The arms made for this project: their plans can be what the problem files promise.
+#[test]
+fn described_robots_see_the_board_from_many_configurations() {
+    for (name, joints, disabled) in [("six-axis-rover", 6, 0), ("seven-axis-carrier", 7, 15)] {
+        let path = PathBuf::from(format!("problems/{name}.toml"));
+        let problem = Problem::read(&path).map_err(miette::Report::new).unwrap();
+        assert_eq!(problem.robot.chain.dof(), joints);
+        assert_eq!(problem.robot.tree.disabled.len(), disabled);
+        assert!(problem.robot.tree.links.iter().all(|link| link.bodies.is_empty() == link.mass.is_none()));
+        let X_BL = problem.robot.tree.link_poses(&vec![0.0; joints]);
+        let mass = problem.robot.tree.center_of_mass(&X_BL).unwrap().mass;
+        assert!((80.0..130.0).contains(&mass), "{name}: {mass} kg");
+        let found = sweep(&problem.robot, &problem.target, &problem.space, problem.axis, &|_| {});
+        let (views, rejected) = feasible_views(&problem.checks(), &problem.space, &found.candidates);
+        assert!(views.len() > 200 * problem.selection.count, "{name}: {} views, {rejected:?}", views.len());
+    }
+}
+
 #[test]
 fn the_starter_has_views_to_choose_from() {
     let problem = load(STARTER);

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use miette::Diagnostic;
 use thiserror::Error;
 
+use super::screen::short;
 use crate::calibration::CalibrationError;
 use crate::formats::{FileReadError, ReadError, ReadFault};
 use crate::plan::{CertifyError, ConstraintError, FileError, PlanError, SurveyError, VerifyError};
@@ -36,6 +37,13 @@ pub(super) enum Failure {
     Certify { path: PathBuf, error: Box<CertifyError> },
     #[error(transparent)]
     Verify(#[from] VerifyError),
+    #[error(
+        "no configuration found within the joint limits takes the pose; the nearest is {} mm and {}° off",
+        short(position_error * 1e3),
+        short(angle_error.to_degrees())
+    )]
+    #[diagnostic(help("{}", unreached_help(*joints)))]
+    Unreached { position_error: f64, angle_error: f64, joints: usize },
     #[error("{} exists already", .0.display())]
     #[diagnostic(help("give another name, or remove the file first"))]
     Exists(PathBuf),
@@ -65,6 +73,16 @@ impl Failure {
 impl From<SurveyError> for Failure {
     fn from(error: SurveyError) -> Self {
         Failure::Plan(error.into())
+    }
+}
+
+fn unreached_help(joints: usize) -> String {
+    if joints < 6 {
+        format!(
+            "an arm with {joints} joints takes few poses exactly; the configuration shown is the best approximation found"
+        )
+    } else {
+        "the configuration shown is the best approximation found; ask for a pose nearer to the arm".into()
     }
 }
 

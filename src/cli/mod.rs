@@ -11,6 +11,7 @@ mod next;
 mod plan;
 mod planned;
 mod problem;
+mod reach;
 mod screen;
 mod searching;
 mod sweep;
@@ -69,6 +70,8 @@ enum Command {
     Certify(certify::CertifyArguments),
     /// Re-estimate from the views taken so far and propose the next best poses
     Next(next::NextArguments),
+    /// Find joint values that bring the camera to a wished pose
+    Reach(reach::ReachArguments),
     /// Validate a problem file and say what a run would do
     Check {
         /// Problem file
@@ -170,6 +173,7 @@ fn run(command: &Command, screen: &mut Screen) -> Result<(), Failure> {
         Command::Verify(arguments) => verify::run(arguments, screen),
         Command::Certify(arguments) => certify::run(arguments, screen),
         Command::Next(arguments) => next::run(arguments, screen),
+        Command::Reach(arguments) => reach::run(arguments, screen),
         Command::Check { file } => problem::check(file, screen),
         Command::Init { file } => problem::init(file, screen),
         Command::Schema => problem::schema(screen),

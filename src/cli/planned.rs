@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+
 use super::failure::Failure;
 use crate::plan::Plan;
 use crate::problem::Problem;
@@ -37,6 +39,18 @@ impl Planned {
         let dof = problem.robot.chain.dof();
         if plan.poses.is_empty() || plan.poses.iter().any(|pose| pose.joints_rad.len() != dof) {
             return Err(refused(format!("its poses do not have the robot's {dof} joint values")));
+        }
+        // Nor is it of a robot's description: every pose must still be where the plan has it.
+        let moved = plan.poses.iter().any(|pose| {
+            let X_BC = problem.robot.camera_pose(&pose.joints_rad);
+            let [x, y, z] = pose.camera_in_base.position_m;
+            let [i, j, k, w] = pose.camera_in_base.quaternion_xyzw;
+            let planned = UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k));
+            !((X_BC.translation.vector - Vector3::new(x, y, z)).norm() < 1e-9
+                && X_BC.rotation.angle_to(&planned) < 1e-7)
+        });
+        if moved {
+            return Err(refused("it was made for another robot: its poses are elsewhere now; make a new plan".into()));
         }
         Ok(Self { plan, problem })
     }

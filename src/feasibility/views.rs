@@ -164,20 +164,22 @@ impl<'a> Checks<'a> {
         let mut seen = visible_corners(self.camera, self.target, self.visibility, &self.corners, &X_CT)?;
         let mut stability_margin = None;
         if self.stability.is_some() || self.has_bodies() {
-            let X_BL = self.robot.tree.link_poses(&q);
-            stability_margin = self.stable(&X_BL)?;
-            if self.collision.collides(&X_BL) {
+            // In the root's frame, which stands on the ground; B is the frame of the link that carries the board.
+            let X_RL = self.robot.tree.link_poses(&q);
+            stability_margin = self.stable(&X_RL)?;
+            if self.collision.collides(&X_RL) {
                 return Err(Rejection::SelfCollision);
             }
+            let X_BL = if self.robot.board_link == 0 { X_RL } else { self.robot.link_poses(&q) };
             seen = self.unhidden(&X_BL, &X_BC, seen)?;
         }
         Ok(View { id, q, X_BC, X_CT, seen, stability_margin })
     }
 
     /// The tip-over margin, where it is tested and wide enough.
-    fn stable(&self, X_BL: &[Pose]) -> Result<Option<f64>, Rejection> {
+    fn stable(&self, X_RL: &[Pose]) -> Result<Option<f64>, Rejection> {
         let Some(stability) = self.stability else { return Ok(None) };
-        let margin = stability.margin_at(&self.robot.tree, X_BL);
+        let margin = stability.margin_at(&self.robot.tree, X_RL);
         // Without masses nothing can be said, and nothing is promised.
         if margin.is_some_and(|margin| margin >= stability.margin) { Ok(margin) } else { Err(Rejection::Unstable) }
     }

@@ -1,12 +1,13 @@
 //! Reading files from disk.
 
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use super::{Detections, ReadError, Stated, read_camera, read_detections};
+use super::{Detections, ReadError, Stated, UrdfError, read_camera, read_detections, read_srdf, read_urdf};
 use crate::camera::Camera;
+use crate::robot::{Mechanism, Tree};
 
 /// Larger files are of something else: 1000 images of 10 000 corners stay below.
 const LARGEST: u64 = 1_000_000_000;
@@ -35,6 +36,9 @@ pub enum FileReadError {
     /// Its contents are wrong.
     #[error(transparent)]
     Content(#[from] ReadError),
+    /// It is no description of a robot, or a wrong one.
+    #[error(transparent)]
+    Robot(#[from] UrdfError),
 }
 
 /// The camera of the file at `path`; see [`read_camera`].
@@ -53,13 +57,34 @@ pub fn read_detections_file(path: &Path, stated: &Stated) -> Result<Detections, 
     Ok(read_detections(&text(path)?, stated)?)
 }
 
-fn text(path: &Path) -> Result<String, FileReadError> {
+/// The robot of the URDF file at `path`; see [`read_urdf`].
+///
+/// # Errors
+/// When the file cannot be read or describes no robot.
+pub fn read_urdf_file(path: &Path, package_folders: &[PathBuf]) -> Result<Mechanism, FileReadError> {
+    Ok(read_urdf(&text(path)?, path.parent().unwrap_or(Path::new("")), package_folders)?)
+}
+
+/// The pairs of links of `tree` that the SRDF file at `path` names; see [`read_srdf`].
+///
+/// # Errors
+/// When the file cannot be read or is of another robot.
+pub fn read_srdf_file(path: &Path, tree: &Tree) -> Result<Vec<[usize; 2]>, FileReadError> {
+    Ok(read_srdf(&text(path)?, tree)?)
+}
+
+/// The file at `path`.
+pub(super) fn bytes(path: &Path) -> Result<Vec<u8>, FileReadError> {
     let read = |error: io::Error| FileReadError::Read { kind: error.kind() };
     let bytes = std::fs::metadata(path).map_err(read)?.len();
     if bytes > LARGEST {
         return Err(FileReadError::TooLarge { bytes });
     }
-    String::from_utf8(std::fs::read(path).map_err(read)?).map_err(|error| {
+    std::fs::read(path).map_err(read)
+}
+
+fn text(path: &Path) -> Result<String, FileReadError> {
+    String::from_utf8(bytes(path)?).map_err(|error| {
         let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
         FileReadError::Encoding { line: String::from_utf8_lossy(valid).matches('\n').count() + 1 }
     })

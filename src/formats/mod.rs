@@ -7,6 +7,8 @@
 //! | ROS `camera_info`, YAML | `ros` | yes | yes |
 //! | OpenCV `FileStorage`, YAML and JSON | `opencv` | yes | yes |
 //! | mrcal's cameramodel | `mrcal` | yes | yes |
+//! | robots, URDF and SRDF | `urdf` | yes | |
+//! | meshes, STL, OBJ and COLLADA | `mesh` | yes | |
 //!
 //! Each is a function from text to models or back. YAML holds JSON and, but for byte strings, the Python literals of mrcal: one
 //! parser reads them all and remembers the lines for [`ReadError`].
@@ -16,15 +18,19 @@ mod detections;
 mod error;
 mod file;
 mod matrix;
+mod mesh;
 mod mrcal;
 mod number;
 mod observations;
 mod opencv;
 mod ros;
 mod tree;
+mod urdf;
 mod vnl;
 
 pub use camera::{CameraFormat, WriteError, read_camera};
 pub use detections::{Detections, Stated, read_detections};
 pub use error::{ReadError, ReadFault};
-pub use file::{FileReadError, read_camera_file, read_detections_file};
+pub use file::{FileReadError, read_camera_file, read_detections_file, read_srdf_file, read_urdf_file};
+pub use mesh::{MeshError, read_mesh};
+pub use urdf::{UrdfError, UrdfFault, read_srdf, read_urdf};

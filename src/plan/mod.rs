@@ -10,6 +10,7 @@ mod files;
 mod make;
 mod next;
 mod objective;
+mod reach;
 mod survey;
 mod verify;
 
@@ -25,5 +26,6 @@ pub use document::{
 pub use files::{FileError, write_atomically, write_together};
 pub use make::{FewestProof, Made, SearchSummary, make};
 pub use next::{Proposal, Wish, next};
+pub use reach::reach_starts;
 pub use survey::{Survey, SurveyError, survey};
 pub use verify::{VerifyError, verify};

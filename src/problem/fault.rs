@@ -92,6 +92,8 @@ pub enum Reason {
     },
     /// A text or list that must not be is empty.
     Empty,
+    /// The robot has neither joints nor a file that describes it.
+    NoArm,
     /// An entry occurs twice.
     Duplicate {
         /// The entry.
@@ -143,6 +145,25 @@ pub enum Reason {
     },
     /// Stability is asked for, but nothing has a mass.
     NoMasses,
+    /// A folder does not exist.
+    NoFolder {
+        /// As the file names it.
+        name: String,
+    },
+    /// The file that the key names does not describe the robot.
+    RobotFile {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        error: FileReadError,
+    },
+    /// No joint moves the camera against the board.
+    NothingMoves {
+        /// Link that carries the camera.
+        camera_link: String,
+        /// Link that carries the board.
+        board_link: String,
+    },
     /// The sweep has more configurations than a computer can hold.
     TooManyConfigurations {
         /// How many; saturating.
@@ -233,16 +254,23 @@ impl Fault {
             }
             Reason::Length { found, .. } => format!("`{key}` has {found} entries"),
             Reason::Empty => format!("`{key}` is empty"),
+            Reason::NoArm => format!("`{key}` is missing or empty, and `robot.urdf` is not given either"),
             Reason::Duplicate { name } => format!("`{key}` is \"{name}\", which occurs before"),
             Reason::NotApplicable { to, .. } => format!("`{key}` does not apply to {to}"),
             Reason::Conflict { with } => format!("`{key}` and `{with}` exclude each other"),
             Reason::NotUnit { norm } => format!("`{key}` has norm {}", Number(*norm)),
             Reason::FoldsBack { .. } => format!("`{key}` folds back within the image"),
-            Reason::CameraFile { path, error } => format!("{}: {error}", path.display()),
+            Reason::CameraFile { path, error } | Reason::RobotFile { path, error } => {
+                format!("{}: {error}", path.display())
+            }
             Reason::NoShape { .. } => format!("`{key}` has no shape"),
             Reason::Ambiguous { name } => format!("`{key}` is \"{name}\", which several links are called"),
             Reason::Support { error } => error.to_string(),
             Reason::NoMasses => format!("`{key}` needs masses, and no link has one"),
+            Reason::NoFolder { name } => format!("`{key}` is \"{name}\", which is no folder"),
+            Reason::NothingMoves { camera_link, board_link } => {
+                format!("no joint moves link \"{camera_link}\" against link \"{board_link}\"")
+            }
             Reason::TooManyConfigurations { configurations, .. } => {
                 format!("`{key}` makes {:.1e} configurations", *configurations as f64)
             }
@@ -263,6 +291,7 @@ impl Fault {
             Reason::BoardBeyondZone { board, .. } => format!("must be at least {}", Number(*board)),
             Reason::Length { expected, per, .. } => format!("must have {expected}, one for each {per}"),
             Reason::Empty => "must not be empty".into(),
+            Reason::NoArm => "needs one of the two".into(),
             Reason::Duplicate { .. } => "must occur only once".into(),
             Reason::NotApplicable { .. } => "has no meaning here".into(),
             Reason::Conflict { .. } => "only one may be given".into(),
@@ -274,6 +303,9 @@ impl Fault {
             Reason::Ambiguous { .. } => "must name one link".into(),
             Reason::Support { .. } => "must span an area".into(),
             Reason::NoMasses => "cannot be tested".into(),
+            Reason::RobotFile { .. } => "must name a file that describes the robot".into(),
+            Reason::NoFolder { .. } => "must be an existing folder".into(),
+            Reason::NothingMoves { .. } => "must be moved by a joint".into(),
             Reason::TooManyConfigurations { most, .. } => format!("must make at most {}", Number(*most as f64)),
             Reason::TooManyJoints { most, .. } => format!("serves at most {most}"),
         }
@@ -289,6 +321,14 @@ impl Fault {
             Reason::BoardBeyondZone { .. } => {
                 "the printed board is one square larger each way than its inner corners; take a larger zone, smaller \
                  squares or fewer corners"
+                    .into()
+            }
+            Reason::NoArm => {
+                "write the arm's Denavit–Hartenberg table as `[[robot.joints]]`, or name its URDF file".into()
+            }
+            Reason::NothingMoves { .. } => {
+                "`camera_link` carries the camera, `target.link` the board; joints with a value \
+                                            in `joint_values_deg` or `joint_values_mm` are held"
                     .into()
             }
             Reason::FoldsBack { .. } => {
@@ -332,7 +372,11 @@ fn suggestion(found: &str, allowed: &[String], list: &str) -> String {
 }
 
 fn quoted(names: &[String]) -> String {
-    names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+    /// Robots may have a hundred links.
+    const MOST: usize = 40;
+    let quoted: Vec<String> = names.iter().take(MOST).map(|name| format!("`{name}`")).collect();
+    let more = if names.len() > MOST { format!(" and {} more", names.len() - MOST) } else { String::new() };
+    format!("{}{more}", quoted.join(", "))
 }
 
 #[cfg(test)]

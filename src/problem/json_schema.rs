@@ -28,6 +28,9 @@ fn adapt_to_toml(schema: &mut Schema) {
             *types = only.clone();
         }
     }
+    if let Some(Value::Array(names)) = schema.get_mut("enum") {
+        names.retain(|name| !name.is_null());
+    }
     if let Some(Value::Object(keys)) = schema.get_mut("default") {
         keys.retain(|_, value| !value.is_null());
     }

@@ -29,7 +29,7 @@ pub(super) struct File {
     pub(super) robot: Robot,
     /// The camera: its mount on the flange and its nominal calibration.
     pub(super) camera: Camera,
-    /// The checkerboard and its place in the robot's base frame.
+    /// The checkerboard and its place on the robot.
     pub(super) target: Target,
     /// The joint configurations to try.
     #[serde(default)]
@@ -59,19 +59,19 @@ pub(super) struct File {
     pub(super) output: Output,
 }
 
-/// The arm: a Denavit–Hartenberg table, base first.
+/// The arm: a Denavit–Hartenberg table, base first, or a URDF file.
 #[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Robot {
-    /// Order of a row's factors: "standard" is Rz(theta) Tz(d) Tx(a) Rx(alpha), "modified" (Craig) is Rx(alpha) Tx(a)
-    /// Rz(theta) Tz(d).
-    #[serde(default = "standard")]
-    pub(super) convention: Named<Convention>,
+    /// Order of a row's factors: "standard" (the default) is Rz(theta) Tz(d) Tx(a) Rx(alpha), "modified" (Craig) is Rx(alpha)
+    /// Tx(a) Rz(theta) Tz(d).
+    pub(super) convention: Option<Named<Convention>>,
     /// Which set of joint limits to use, for joints that give several.
     pub(super) limits: Option<String>,
     /// Pose of the flange in the frame of the last row; the same frame when left out.
     pub(super) flange: Option<Pose>,
     /// The rows of the table, one per joint.
+    #[serde(default)]
     pub(super) joints: Vec<Joint>,
     /// Solids attached to the links, for self-collision and occlusion.
     #[serde(default)]
@@ -79,6 +79,34 @@ pub(super) struct Robot {
     /// Masses attached to the links, for static stability.
     #[serde(default)]
     pub(super) masses: Vec<Mass>,
+    /// File that describes the robot, in place of a table: URDF, expanded if it is xacro. Relative to the problem file's folder.
+    pub(super) urdf: Option<String>,
+    /// SRDF file whose `disable_collisions` name the pairs of links that are never tested for collision. Relative to the problem
+    /// file's folder.
+    pub(super) srdf: Option<String>,
+    /// Folders of the URDF's meshes beside its own: packages (`package://`), or folders of them. Relative to the problem file's
+    /// folder.
+    #[serde(default)]
+    pub(super) package_folders: Vec<String>,
+    /// Link of the URDF that stands on the ground and whose frame is the robot's base frame; its root when left out.
+    pub(super) base_link: Option<String>,
+    /// Link of the URDF that carries the camera; its frame is the flange frame. With a link such as ROS's
+    /// `camera_optical_frame` the camera needs no mount.
+    pub(super) camera_link: Option<String>,
+    /// Values in degrees at which revolute joints of the URDF are held, by the joints' names. A joint that moves the camera
+    /// against the board is free when left out, any other is held at 0 or the limit next to it.
+    #[serde(default)]
+    pub(super) joint_values_deg: BTreeMap<String, f64>,
+    /// Values in mm at which prismatic joints of the URDF are held, by the joints' names.
+    #[serde(default)]
+    pub(super) joint_values_mm: BTreeMap<String, f64>,
+    /// Ranges [min, max] in degrees of revolute joints, by the joints' names, in place of those in the URDF. A continuous joint
+    /// has [-180, 180] when left out.
+    #[serde(default)]
+    pub(super) limits_deg: BTreeMap<String, Range>,
+    /// Ranges [min, max] in mm of prismatic joints, by the joints' names, in place of those in the URDF.
+    #[serde(default)]
+    pub(super) limits_mm: BTreeMap<String, Range>,
 }
 
 /// One row of the table.
@@ -192,7 +220,9 @@ pub(super) struct Target {
     pub(super) rows: u32,
     /// Side of a square in mm.
     pub(super) square_mm: f64,
-    /// Pose of the board in the robot's base frame.
+    /// Link of the robot's URDF that carries the board; the base when left out.
+    pub(super) link: Option<String>,
+    /// Pose of the board in the frame of the link that carries it: the robot's base frame, unless `link` names another.
     pub(super) pose: Pose,
     /// Thickness of the board, in mm: its body is a plate of the printed size under the printed side.
     #[serde(default = "thickness")]
@@ -360,10 +390,6 @@ pub(super) struct Group {
 pub(super) struct Output {
     /// Folder for the plan, relative to the working directory; "plans/" and the name in lower case when left out.
     pub(super) folder: Option<String>,
-}
-
-fn standard() -> Named<Convention> {
-    Named(Convention::Standard)
 }
 
 fn thickness() -> f64 {

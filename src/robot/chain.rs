@@ -1,18 +1,20 @@
 //! Forward kinematics of a serial chain.
 
-use nalgebra::{Translation3, Unit, UnitQuaternion, Vector3};
-
+use super::tree::Motion;
 use crate::spatial::Pose;
 
-/// Joints in series from the base frame B to the flange frame F.
+/// Stages in series from the base frame B to the flange frame F.
 ///
-/// `X_BF(q) = X_B1·J1(q1) · X_12·J2(q2) · … · X_nF`: every joint is a fixed transform followed by a motion about
-/// or along its axis. Denavit–Hartenberg tables and URDF trees both reduce to this form.
+/// `X_BF(q) = X_B1·J1(q) · X_12·J2(q) · … · X_nF`: every stage is a fixed transform followed by the motion of one joint.
+/// Denavit–Hartenberg tables and URDF trees both reduce to this form. Mostly each joint drives one stage, in order; one that
+/// others mimic drives theirs too.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chain {
-    /// The joints, base first.
+    /// The joints, whose values are q.
     pub joints: Vec<Joint>,
-    /// Fixed transform from the last joint's moved frame to the flange.
+    /// What they drive, base first.
+    pub stages: Vec<Stage>,
+    /// Fixed transform from the last stage's moved frame to the flange.
     pub X_nF: Pose,
 }
 
@@ -23,10 +25,6 @@ pub struct Joint {
     pub name: String,
     /// How the joint moves.
     pub kind: JointKind,
-    /// Fixed pose of the joint frame in the frame of the joint before it.
-    pub X_PJ: Pose,
-    /// Axis of the motion in the joint frame.
-    pub axis: Unit<Vector3<f64>>,
     /// Range of joint values.
     pub limits: Limits,
     /// Largest speed in rad/s or m/s, where known.
@@ -51,13 +49,24 @@ pub struct Limits {
     pub max: f64,
 }
 
-impl Joint {
-    /// Pose of the moved joint frame in the frame of the joint before it, at joint value `q` (rad or m).
-    pub fn pose(&self, q: f64) -> Pose {
-        match self.kind {
-            JointKind::Revolute => self.X_PJ * UnitQuaternion::from_axis_angle(&self.axis, q),
-            JointKind::Prismatic => self.X_PJ * Translation3::from(self.axis.into_inner() * q),
-        }
+impl Limits {
+    /// Half a turn either way: every direction of a joint without limits.
+    pub const FULL_TURN: Self = Self { min: -std::f64::consts::PI, max: std::f64::consts::PI };
+}
+
+/// One moving part of a chain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stage {
+    /// Fixed pose of the stage's frame in the moved frame of the stage before it.
+    pub X_PJ: Pose,
+    /// How it moves.
+    pub motion: Motion,
+}
+
+impl Stage {
+    /// Pose of the moved frame in the moved frame of the stage before it, at joint values `q` (rad or m).
+    pub fn pose(&self, q: &[f64]) -> Pose {
+        self.X_PJ * self.motion.pose(q)
     }
 }
 
@@ -70,7 +79,11 @@ impl Chain {
     /// Pose `X_BF` of the flange at joint values `q` (rad or m, one per joint).
     pub fn flange_pose(&self, q: &[f64]) -> Pose {
         debug_assert_eq!(q.len(), self.dof());
-        let X_Bn = self.joints.iter().zip(q).fold(Pose::identity(), |X_BP, (joint, &q)| X_BP * joint.pose(q));
-        X_Bn * self.X_nF
+        product(&self.stages, q) * self.X_nF
     }
+}
+
+/// The product of the stages' poses at joint values `q`.
+pub(crate) fn product(stages: &[Stage], q: &[f64]) -> Pose {
+    stages.iter().fold(Pose::identity(), |X, stage| X * stage.pose(q))
 }

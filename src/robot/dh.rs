@@ -2,7 +2,7 @@
 
 use nalgebra::{Translation3, UnitQuaternion, Vector3};
 
-use super::{Chain, Joint, JointKind, Limits, Link, Motion, Tree};
+use super::{Chain, Joint, JointKind, Limits, Link, Motion, Stage, Tree};
 use crate::spatial::Pose;
 
 /// One row of a Denavit–Hartenberg table; lengths in m, angles in rad.
@@ -38,20 +38,17 @@ pub enum Convention {
 /// The chain of a table, base first; `X_nF` is the pose of the flange in the last row's frame.
 pub fn chain(rows: &[Row], convention: Convention, X_nF: Pose) -> Chain {
     let mut X_before = Pose::identity();
-    let mut joints = Vec::with_capacity(rows.len());
-    for row in rows {
+    let mut stages = Vec::with_capacity(rows.len());
+    for (joint, row) in rows.iter().enumerate() {
         let (ahead, behind) = row.split(convention);
-        joints.push(Joint {
-            name: row.name.clone(),
-            kind: row.kind,
-            X_PJ: X_before * ahead,
-            axis: Vector3::z_axis(),
-            limits: row.limits,
-            max_speed: row.max_speed,
-        });
+        let axis = Vector3::z_axis();
+        let motion = Motion::Driven { joint, kind: row.kind, axis, multiplier: 1.0, offset: 0.0 };
+        stages.push(Stage { X_PJ: X_before * ahead, motion });
         X_before = behind;
     }
-    Chain { joints, X_nF: X_before * X_nF }
+    let joint =
+        |row: &Row| Joint { name: row.name.clone(), kind: row.kind, limits: row.limits, max_speed: row.max_speed };
+    Chain { joints: rows.iter().map(joint).collect(), stages, X_nF: X_before * X_nF }
 }
 
 /// The links of a table: link 0 is the base, link [`frame_link`]`(i)` is DH frame i (the frame after row i, named after its

@@ -2,14 +2,24 @@
 
 mod chain;
 pub mod dh;
+mod inverse;
+mod mechanism;
 mod tree;
 
-pub use chain::{Chain, Joint, JointKind, Limits};
+pub(crate) use chain::product;
+pub use chain::{Chain, Joint, JointKind, Limits, Stage};
+pub use inverse::{ReachSettings, Reached, Starts, reach};
+pub use mechanism::{Assembly, Mechanism};
 pub use tree::{Body, Link, Motion, PointMass, Shape, Tree};
+
+use nalgebra::{Matrix6xX, Vector3, Vector6};
 
 use crate::spatial::Pose;
 
-/// A serial chain with a camera mounted on its flange.
+/// A serial chain with a camera mounted on its flange, and all links of the robot that it belongs to.
+///
+/// The chain runs from the link that carries the board to the link that carries the camera. Its base frame B is that of the
+/// former, which is the root of the tree unless the board rides on a link that moves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Robot {
     /// The joints from the base to the flange.
@@ -18,11 +28,49 @@ pub struct Robot {
     pub tree: Tree,
     /// Pose of the camera in the flange frame.
     pub X_FC: Pose,
+    /// Link of the tree that carries the board: its frame is B.
+    pub board_link: usize,
+    /// Link of the tree that carries the camera: its frame is F.
+    pub camera_link: usize,
 }
 
 impl Robot {
     /// Pose `X_BC` of the camera in the base frame at joint values `q` (rad or m, one per joint).
     pub fn camera_pose(&self, q: &[f64]) -> Pose {
         self.chain.flange_pose(q) * self.X_FC
+    }
+
+    /// Pose `X_BC` of the camera, and its 6 × n derivative by the joint values: each column the motion (ω, v) of
+    /// [`perturb`](crate::spatial::perturb) per rad or m of a joint.
+    pub fn camera_jacobian(&self, q: &[f64]) -> (Pose, Matrix6xX<f64>) {
+        let X_BC = self.camera_pose(q);
+        let mut J = Matrix6xX::zeros(q.len());
+        let mut X_BP = Pose::identity();
+        for stage in &self.chain.stages {
+            let X_BJ = X_BP * stage.X_PJ;
+            if let Motion::Driven { joint, kind, axis, multiplier, .. } = stage.motion {
+                let axis = X_BJ.rotation * axis.into_inner() * multiplier;
+                let (ω, v) = match kind {
+                    JointKind::Revolute => (axis, axis.cross(&(X_BC.translation.vector - X_BJ.translation.vector))),
+                    JointKind::Prismatic => (Vector3::zeros(), axis),
+                };
+                let mut column = J.column_mut(joint);
+                column += Vector6::new(ω.x, ω.y, ω.z, v.x, v.y, v.z);
+            }
+            X_BP = X_BJ * stage.motion.pose(q);
+        }
+        (X_BC, J)
+    }
+
+    /// Poses `X_BL` of all links in the base frame at joint values `q` (rad or m).
+    pub fn link_poses(&self, q: &[f64]) -> Vec<Pose> {
+        let mut poses = self.tree.link_poses(q);
+        if self.board_link > 0 {
+            let X_BR = poses[self.board_link].inverse();
+            for X_RL in &mut poses {
+                *X_RL = X_BR * *X_RL;
+            }
+        }
+        poses
     }
 }

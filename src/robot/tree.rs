@@ -104,7 +104,25 @@ pub struct PointMass {
     pub center: Point3<f64>,
 }
 
+impl Link {
+    /// A link rigidly on its parent at `X_PJ`, without bodies and mass.
+    pub(super) fn fixed(name: &str, parent: Option<usize>, X_PJ: Pose) -> Self {
+        Self { name: name.to_owned(), parent, X_PJ, motion: Motion::Fixed, bodies: Vec::new(), mass: None }
+    }
+}
+
 impl Motion {
+    /// The motion that undoes this one.
+    #[must_use]
+    pub fn inverse(&self) -> Self {
+        match *self {
+            Motion::Fixed => Motion::Fixed,
+            Motion::Driven { joint, kind, axis, multiplier, offset } => {
+                Motion::Driven { joint, kind, axis, multiplier: -multiplier, offset: -offset }
+            }
+        }
+    }
+
     /// The pose of the moved joint frame in the joint frame.
     pub fn pose(&self, q: &[f64]) -> Pose {
         match *self {

@@ -1,6 +1,6 @@
 //! The sweep: which joint configurations point the camera at the marker zone.
 //!
-//! A configuration's pose is a product of one transform per joint. The sweep splits the grid in two: the outer joints'
+//! A configuration's pose is a product of one transform per stage of the chain. The sweep splits the grid in two: the outer joints'
 //! products are *prefixes*, each computed once, the inner joints' products are *suffixes*, tabulated once for the whole
 //! sweep. What is left per configuration is one 3×3 matrix times two vectors, the camera's position and its optical
 //! axis, in the target's frame, where the plane is z = 0.
@@ -12,7 +12,7 @@ pub use joints::{HaltonSample, JointGrid, JointSpace};
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
-use crate::robot::Robot;
+use crate::robot::{Motion, Robot, Stage, product};
 use crate::spatial::Pose;
 use crate::target::{AxisCase, Target, Zone};
 
@@ -89,7 +89,7 @@ pub fn sweep(
 
 /// A grid divided into outer joints (prefix) and inner joints (suffix).
 struct Split {
-    /// Number of outer joints.
+    /// Number of stages that the outer joints drive.
     outer: usize,
     prefixes: usize,
     suffixes: Suffixes,
@@ -97,27 +97,41 @@ struct Split {
 
 impl Split {
     fn of(robot: &Robot, grid: &JointGrid) -> Self {
+        let chain = &robot.chain;
         let counts = grid.counts();
-        let mut outer = counts.len();
+        let mut joints = counts.len();
         let mut size = 1;
-        while outer > 0 && size * counts[outer - 1] <= MOST_SUFFIXES {
-            outer -= 1;
-            size *= counts[outer];
+        while joints > 0 && size * counts[joints - 1] <= MOST_SUFFIXES {
+            joints -= 1;
+            size *= counts[joints];
         }
-        let X_nC = robot.chain.X_nF * robot.X_FC;
+        // A joint that others mimic may drive stages on both sides; then more joints are outer, at worst all.
+        let mut outer = stages_before(&chain.stages, joints);
+        while outer.is_none() && joints < counts.len() {
+            size /= counts[joints];
+            joints += 1;
+            outer = stages_before(&chain.stages, joints);
+        }
+        let outer = outer.unwrap_or(chain.stages.len());
+        let X_nC = chain.X_nF * robot.X_FC;
         let mut suffixes = Suffixes::default();
         for j in 0..size {
             let q = grid.configuration(j); // prefix 0: the inner joints' digits are those of j
-            let inner = robot.chain.joints[outer..].iter().zip(&q[outer..]);
-            suffixes.push(&(inner.fold(Pose::identity(), |X, (joint, &q)| X * joint.pose(q)) * X_nC));
+            suffixes.push(&(product(&chain.stages[outer..], &q) * X_nC));
         }
-        Self { outer, prefixes: counts[..outer].iter().product(), suffixes }
+        Self { outer, prefixes: counts[..joints].iter().product(), suffixes }
     }
 
     fn prefix_pose(&self, robot: &Robot, grid: &JointGrid, prefix: usize) -> Pose {
-        let q = grid.configuration(prefix * self.suffixes.len());
-        robot.chain.joints[..self.outer].iter().zip(&q).fold(Pose::identity(), |X, (joint, &q)| X * joint.pose(q))
+        product(&robot.chain.stages[..self.outer], &grid.configuration(prefix * self.suffixes.len()))
     }
+}
+
+/// How many stages the first `joints` joints drive, if these stages all come before the others.
+fn stages_before(stages: &[Stage], joints: usize) -> Option<usize> {
+    let is_outer = |stage: &Stage| matches!(stage.motion, Motion::Driven { joint, .. } if joint < joints);
+    let outer = stages.iter().take_while(|stage| is_outer(stage)).count();
+    (!stages[outer..].iter().any(is_outer)).then_some(outer)
 }
 
 /// Camera positions and optical axes behind the prefix, coordinate by coordinate so that the compiler can use vector

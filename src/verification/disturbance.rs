@@ -64,7 +64,7 @@ impl Disturbance {
             triple(self.mount_translation).into(),
             UnitQuaternion::from_scaled_axis(triple(self.mount_rotation)),
         );
-        let robot = Robot { X_FC: robot.X_FC * mount, ..robot.clone() };
+        let X_FC = robot.X_FC * mount;
         let mut pose = |q: &Vec<f64>| {
             let joints = robot.chain.joints.iter().zip(q);
             let q: Vec<f64> = joints
@@ -73,7 +73,7 @@ impl Disturbance {
                     JointKind::Prismatic => *q,
                 })
                 .collect();
-            robot.camera_pose(&q).inverse() * target.X_BT
+            (robot.chain.flange_pose(&q) * X_FC).inverse() * target.X_BT
         };
         let poses: Vec<Pose> = planned.iter().map(|(q, _)| pose(q)).collect();
         let distance = |X_CT: &Pose| X_CT.translation.vector.norm();

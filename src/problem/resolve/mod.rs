@@ -2,6 +2,7 @@
 
 mod bodies;
 mod camera;
+mod described;
 mod robot;
 mod selection;
 mod sweep;
@@ -40,12 +41,16 @@ pub(super) fn resolve(
     let stem = path.file_stem().map(std::ffi::OsStr::to_string_lossy).unwrap_or_default();
     let name = check.name(file.name.as_deref(), &stem);
     let output = check.output(&file.output, &name);
-    let mut robot = check.robot(&file.robot, &file.camera);
-    let camera = check.camera(&file.camera, path.parent().unwrap_or(Path::new("")));
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut robot = match &file.robot.urdf {
+        Some(urdf) => check.described_robot(file, urdf, folder),
+        None => check.robot(file),
+    };
+    let camera = check.camera(&file.camera, folder);
     let target = check.target(&file.target);
     let thickness = check.length(&KeyPath::section("target").key("thickness_mm"), file.target.thickness_mm, SIZE);
     if let (Some(robot), Some(target)) = (&mut robot, &target) {
-        Check::board(target, thickness, 0, &mut robot.tree);
+        Check::board(target, thickness, robot.board_link, &mut robot.tree);
     }
     let clearance = check.collision(&file.collision, robot.as_mut().map(|robot| &mut robot.tree));
     let stability = check.stability(file.stability.as_ref(), robot.as_ref().map(|robot| &robot.tree));

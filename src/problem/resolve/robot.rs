@@ -1,25 +1,28 @@
-//! The arm and the camera's mount.
+//! The arm as a Denavit–Hartenberg table, and the camera's mount.
 
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
 
+use super::bodies::Links;
 use super::{ANGLE, Check, LENGTH};
 use crate::problem::document::KeyPath;
 use crate::problem::fault::{Allowed, Reason};
 use crate::problem::named::{MountName, Named};
 use crate::problem::schema;
 use crate::problem::shape::{Numbers, Range, RangeOrSets, TextOrTable};
-use crate::robot::dh::{self, Row};
-use crate::robot::{JointKind, Limits, Robot};
+use crate::robot::dh::{self, Convention, Row};
+use crate::robot::{JointKind, Limits, Robot, Tree};
 use crate::spatial::Pose;
 
 impl Check<'_, '_> {
     /// The robot, or none if its limits cannot be swept.
-    pub(super) fn robot(&mut self, robot: &schema::Robot, camera: &schema::Camera) -> Option<Robot> {
+    pub(super) fn robot(&mut self, file: &schema::File) -> Option<Robot> {
+        let schema::File { robot, camera, .. } = file;
         let faults = self.faults.len();
         let at = KeyPath::section("robot");
         if robot.joints.is_empty() {
-            self.fault(&at.key("joints"), Reason::Empty);
+            self.fault(&at.key("joints"), Reason::NoArm);
         }
+        self.without_urdf(file);
         let mut rows: Vec<Row> = Vec::with_capacity(robot.joints.len());
         for (i, joint) in robot.joints.iter().enumerate() {
             let at = at.key("joints").at(i);
@@ -39,17 +42,53 @@ impl Check<'_, '_> {
         }
         let X_nF = robot.flange.as_ref().map_or_else(Pose::identity, |flange| self.pose(&at.key("flange"), flange));
         let X_FC = self.mount(&camera.mount);
-        let chain = dh::chain(&rows, robot.convention.0, X_nF);
-        let mut tree = dh::tree(&rows, robot.convention.0, X_nF);
+        let convention = robot.convention.map_or(Convention::Standard, |named| named.0);
+        let chain = dh::chain(&rows, convention, X_nF);
+        let mut tree = dh::tree(&rows, convention, X_nF);
         let frames = rows.iter().enumerate().map(|(i, row)| (row.name.as_str(), dh::frame_link(i + 1)));
         let links = std::iter::once(("base", 0)).chain(frames).collect();
-        self.bodies(&robot.bodies, &links, &mut tree);
-        self.masses(&robot.masses, &links, &mut tree);
-        if let Some(housing) = &camera.housing {
-            let flange = tree.links.len() - 1;
-            self.housing(housing, X_FC, flange, &mut tree);
+        let camera_link = tree.links.len() - 1;
+        self.carried(file, X_FC, camera_link, &links, &mut tree);
+        (self.faults.len() == faults).then_some(Robot { chain, X_FC, tree, board_link: 0, camera_link })
+    }
+
+    /// Attaches what the problem file adds to the robot: bodies, masses, and the camera's housing.
+    pub(super) fn carried(
+        &mut self,
+        file: &schema::File,
+        X_FC: Pose,
+        camera_link: usize,
+        links: &Links,
+        tree: &mut Tree,
+    ) {
+        self.bodies(&file.robot.bodies, links, tree);
+        self.masses(&file.robot.masses, links, tree);
+        if let Some(housing) = &file.camera.housing {
+            self.housing(housing, X_FC, camera_link, tree);
         }
-        (self.faults.len() == faults).then_some(Robot { chain, tree, X_FC })
+    }
+
+    /// Refuses what only a URDF gives a meaning to.
+    fn without_urdf(&mut self, file: &schema::File) {
+        let schema::Robot { srdf, package_folders, base_link, camera_link, .. } = &file.robot;
+        let schema::Robot { joint_values_deg, joint_values_mm, limits_deg, limits_mm, .. } = &file.robot;
+        let robot = KeyPath::section("robot");
+        let to = "a robot without `urdf`";
+        for (key, given) in [
+            ("srdf", srdf.is_some()),
+            ("package_folders", !package_folders.is_empty()),
+            ("base_link", base_link.is_some()),
+            ("camera_link", camera_link.is_some()),
+            ("joint_values_deg", !joint_values_deg.is_empty()),
+            ("joint_values_mm", !joint_values_mm.is_empty()),
+        ] {
+            self.refused(&robot.key(key), given, to, "leave it out");
+        }
+        for (key, given) in [("limits_deg", !limits_deg.is_empty()), ("limits_mm", !limits_mm.is_empty())] {
+            self.refused(&robot.key(key), given, to, &format!("give `{key}` to each of `robot.joints`"));
+        }
+        let link = KeyPath::section("target").key("link");
+        self.refused(&link, file.target.link.is_some(), to, "leave it out; the board is in the base frame");
     }
 
     fn row(&mut self, at: &KeyPath, joint: &schema::Joint, set: Option<&str>) -> Row {
@@ -91,9 +130,12 @@ impl Check<'_, '_> {
     }
 
     fn not_applicable(&mut self, at: &KeyPath, key: &str, given: bool, to: &str, instead: &str) {
+        self.refused(&at.key(key), given, to, &format!("use `{instead}`"));
+    }
+
+    pub(super) fn refused(&mut self, path: &KeyPath, given: bool, to: &str, instead: &str) {
         if given {
-            let reason = Reason::NotApplicable { to: to.into(), instead: format!("use `{instead}`") };
-            self.fault(&at.key(key), reason);
+            self.fault(path, Reason::NotApplicable { to: to.into(), instead: instead.into() });
         }
     }
 
@@ -129,7 +171,7 @@ impl Check<'_, '_> {
         }
     }
 
-    fn range(&mut self, path: &KeyPath, range: Range, allowed: Allowed) -> Range {
+    pub(super) fn range(&mut self, path: &KeyPath, range: Range, allowed: Allowed) -> Range {
         let Numbers([min, max]) = range;
         self.number(&path.at(0), min, allowed);
         self.number(&path.at(1), max, allowed);
@@ -139,7 +181,7 @@ impl Check<'_, '_> {
         range
     }
 
-    fn mount(&mut self, mount: &TextOrTable<Named<MountName>, schema::Pose>) -> Pose {
+    pub(super) fn mount(&mut self, mount: &TextOrTable<Named<MountName>, schema::Pose>) -> Pose {
         match mount {
             TextOrTable::Text(Named(MountName::OpticalAxisZ)) => Pose::identity(),
             TextOrTable::Text(Named(MountName::OpticalAxisX)) => {

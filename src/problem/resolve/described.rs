@@ -1,0 +1,169 @@
+//! The robot as a URDF file describes it.
+
+use std::path::{Path, PathBuf};
+
+use super::{ANGLE, Check, LENGTH};
+use crate::formats::{read_srdf_file, read_urdf_file};
+use crate::problem::document::KeyPath;
+use crate::problem::fault::{Allowed, Reason};
+use crate::problem::schema;
+use crate::problem::shape::Numbers;
+use crate::robot::{Assembly, Joint, JointKind, Limits, Mechanism, Robot};
+
+impl Check<'_, '_> {
+    /// The robot of the URDF file `urdf`, or none if something is wrong with it; `folder` is the problem file's.
+    pub(super) fn described_robot(&mut self, file: &schema::File, urdf: &str, folder: &Path) -> Option<Robot> {
+        let robot = &file.robot;
+        let faults = self.faults.len();
+        let at = KeyPath::section("robot");
+        for (key, given) in [
+            ("convention", robot.convention.is_some()),
+            ("limits", robot.limits.is_some()),
+            ("flange", robot.flange.is_some()),
+            ("joints", !robot.joints.is_empty()),
+        ] {
+            if given {
+                self.fault(&at.key(key), Reason::Conflict { with: "robot.urdf" });
+            }
+        }
+        let X_FC = self.mount(&file.camera.mount);
+        let packages: Vec<PathBuf> = robot.package_folders.iter().map(|package| folder.join(package)).collect();
+        for (i, _) in packages.iter().enumerate().filter(|(_, package)| !package.is_dir()) {
+            let name = robot.package_folders[i].clone();
+            self.fault(&at.key("package_folders").at(i), Reason::NoFolder { name });
+        }
+        let path = folder.join(urdf);
+        let mut mechanism = match read_urdf_file(&path, &packages) {
+            Ok(mechanism) => mechanism,
+            Err(error) => {
+                self.fault(&at.key("urdf"), Reason::RobotFile { path, error });
+                return None;
+            }
+        };
+        if let Some(srdf) = &robot.srdf {
+            let path = folder.join(srdf);
+            match read_srdf_file(&path, &mechanism.tree) {
+                Ok(pairs) => mechanism.tree.disabled = pairs,
+                Err(error) => self.fault(&at.key("srdf"), Reason::RobotFile { path, error }),
+            }
+        }
+        self.described_limits(&at, robot, &mut mechanism);
+        let held = self.held(&at, robot, &mechanism);
+        let base_link = self.described_link(&at.key("base_link"), robot.base_link.as_deref(), &mechanism);
+        let board_at = KeyPath::section("target").key("link");
+        let board_link = self.described_link(&board_at, file.target.link.as_deref(), &mechanism);
+        let camera_at = at.key("camera_link");
+        let camera_link = match &robot.camera_link {
+            None => {
+                self.fault(&camera_at, Reason::Missing { allowed: link_names(&mechanism) });
+                None
+            }
+            name => self.described_link(&camera_at, name.as_deref(), &mechanism),
+        };
+        if self.faults.len() > faults {
+            return None;
+        }
+        let base_link = base_link.unwrap_or(0);
+        let assembly =
+            Assembly { base_link, board_link: board_link.unwrap_or(base_link), camera_link: camera_link?, X_FC, held };
+        let mut arm = mechanism.robot(&assembly);
+        if arm.chain.joints.is_empty() {
+            let name = |link: usize| mechanism.tree.links[link].name.clone();
+            let (camera_link, board_link) = (name(assembly.camera_link), name(assembly.board_link));
+            self.fault(&camera_at, Reason::NothingMoves { camera_link, board_link });
+            return None;
+        }
+        let mut tree = std::mem::take(&mut arm.tree);
+        let names: Vec<String> = tree.links.iter().map(|link| link.name.clone()).collect();
+        let links = names.iter().enumerate().map(|(i, name)| (name.as_str(), i)).collect();
+        self.carried(file, arm.X_FC, arm.camera_link, &links, &mut tree);
+        Some(Robot { tree, ..arm })
+    }
+
+    /// The link of that name, if one is given.
+    fn described_link(&mut self, path: &KeyPath, name: Option<&str>, mechanism: &Mechanism) -> Option<usize> {
+        let name = name?;
+        let link = mechanism.link(name);
+        if link.is_none() {
+            self.fault(path, Reason::UnknownName { name: name.into(), allowed: link_names(mechanism) });
+        }
+        link
+    }
+
+    /// Puts the file's ranges in place of the description's.
+    fn described_limits(&mut self, at: &KeyPath, robot: &schema::Robot, mechanism: &mut Mechanism) {
+        for (key, ranges, kind, allowed) in [
+            ("limits_deg", &robot.limits_deg, JointKind::Revolute, ANGLE),
+            ("limits_mm", &robot.limits_mm, JointKind::Prismatic, LENGTH),
+        ] {
+            for (name, &range) in ranges {
+                let at = at.key(key).key(name);
+                let Numbers([min, max]) = self.range(&at, range, allowed);
+                if let Some(joint) = self.described_joint(&at, name, kind, mechanism) {
+                    mechanism.joints[joint].limits = Limits { min: si(kind, min), max: si(kind, max) };
+                }
+            }
+        }
+    }
+
+    /// For each joint the value at which the file holds it.
+    fn held(&mut self, at: &KeyPath, robot: &schema::Robot, mechanism: &Mechanism) -> Vec<Option<f64>> {
+        let mut held = vec![None; mechanism.joints.len()];
+        for (key, values, kind) in [
+            ("joint_values_deg", &robot.joint_values_deg, JointKind::Revolute),
+            ("joint_values_mm", &robot.joint_values_mm, JointKind::Prismatic),
+        ] {
+            for (name, &value) in values {
+                let at = at.key(key).key(name);
+                if let Some(joint) = self.described_joint(&at, name, kind, mechanism) {
+                    self.number(&at, value, allowed_values(&mechanism.joints[joint]));
+                    held[joint] = Some(si(kind, value));
+                }
+            }
+        }
+        held
+    }
+
+    /// The joint of that name, which must be of that kind and mimic no other.
+    fn described_joint(&mut self, path: &KeyPath, name: &str, kind: JointKind, mechanism: &Mechanism) -> Option<usize> {
+        let follows = mechanism.followers.iter().any(|follower| follower == name);
+        self.refused(path, follows, "a joint that mimics another", "give it for the joint that it mimics");
+        let Some(joint) = mechanism.joint(name) else {
+            if !follows {
+                let allowed = mechanism.joints.iter().map(|joint| joint.name.clone()).collect();
+                self.fault(path, Reason::UnknownKey { allowed });
+            }
+            return None;
+        };
+        let (found, instead) = match mechanism.joints[joint].kind {
+            JointKind::Revolute => ("a revolute joint", "use the key that ends in `_deg`"),
+            JointKind::Prismatic => ("a prismatic joint", "use the key that ends in `_mm`"),
+        };
+        let other = mechanism.joints[joint].kind != kind;
+        self.refused(path, other, found, instead);
+        (!other).then_some(joint)
+    }
+}
+
+fn link_names(mechanism: &Mechanism) -> Vec<String> {
+    mechanism.tree.links.iter().map(|link| link.name.clone()).collect()
+}
+
+/// A joint value in the file's unit (degrees or mm) as rad or m.
+fn si(kind: JointKind, value: f64) -> f64 {
+    match kind {
+        JointKind::Revolute => value.to_radians(),
+        JointKind::Prismatic => value / 1e3,
+    }
+}
+
+/// The joint's limits in the file's unit, to a thousandth.
+fn allowed_values(joint: &Joint) -> Allowed {
+    let unit = match joint.kind {
+        JointKind::Revolute => 1f64.to_degrees(),
+        JointKind::Prismatic => 1e3,
+    };
+    // Forgiving a millionth of that, because ±180° is no binary fraction of a rad.
+    let Limits { min, max } = joint.limits;
+    Allowed::between((min * unit * 1e3 - 1e-6).ceil() / 1e3, (max * unit * 1e3 + 1e-6).floor() / 1e3)
+}
