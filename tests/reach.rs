@@ -29,9 +29,11 @@ fn assert_inverts(name: &str, count: usize) {
     let problem = problem(name);
     let robot = &problem.robot;
     let starts = reach_starts(&problem);
+    // Where these starts do not suffice, more are taken.
+    let settings = ReachSettings { starts: 16, ..ReachSettings::default() };
     for q in random_configurations(&problem, count) {
         let wished = robot.camera_pose(&q);
-        let found = reach(robot, &wished, &starts, &ReachSettings::default());
+        let found = reach(robot, &wished, &starts, &settings);
         assert!(found.iter().all(|end| end.reached), "{name}: {q:?}, nearest {found:?}");
         for (i, end) in found.iter().enumerate() {
             let X_BC = robot.camera_pose(&end.q);
