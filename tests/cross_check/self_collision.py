@@ -1,14 +1,14 @@
 """Self-collision verdicts and centres of mass of calipose against MuJoCo and coal.
 
-    python tests/cross_check/self_collision.py [FILE] [COUNT]
+    python tests/cross_check/self_collision.py [COUNT] [FILE ...]
 
 Makes a virtual environment with mujoco and coal from PyPI (in $CROSS_CHECK_VENV, or a temporary folder), lets
 `examples/feasibility_dump.rs` print the model and calipose's answers for COUNT (10 000) random configurations and for
 pairs of them moved to either side of where the verdict changes, builds the same robot as MJCF, and compares configuration
-by configuration:
+by configuration (of the Servosila with bodies and of shapes.toml, which has every kind of body, unless files are given):
 
-- distances of every tested pair of links, where they are apart: MuJoCo's kinematics, MuJoCo's and coal's distances. A
-  distance is wrong if it contradicts both (MuJoCo 4.0.0 at times finds a capsule apart from a box that it pierces);
+- distances of every tested pair of links, where they are apart: MuJoCo's kinematics, MuJoCo's and coal's distances. One
+  that contradicts both is wrong (MuJoCo 4.0.0 at times finds a capsule apart from a box that it pierces);
 - verdicts: no pair that either library finds nearer than the clearance by more than TOLERANCE may be called free, and none
   called a collision that both find farther than the clearance by more than TOLERANCE;
 - the centre of mass.
@@ -114,6 +114,7 @@ def coal_shape(coal, numpy, body):
 
 
 def main(file, count):
+    """Prints how far calipose and the libraries agree on FILE; whether they do."""
     import coal
     import mujoco
     import numpy as np
@@ -198,12 +199,13 @@ def main(file, count):
           "and calipose agrees with one.")
     if has_mass:
         print(f"Centre of mass: worst difference {worst_center:.1e} m.")
-    failed = missed or needless or disagreements or worst_center > CENTER_TOLERANCE or not compared
-    sys.exit(1 if failed else 0)
+    return not (missed or needless or disagreements or worst_center > CENTER_TOLERANCE or not compared)
 
 
 if __name__ == "__main__":
     if os.environ.get("CROSS_CHECK_INSIDE") != "1":
         in_virtual_environment()
-    arguments = sys.argv[1:]
-    main(arguments[0] if arguments else "problems/servosila-engineer-bodies.toml", int(arguments[1]) if len(arguments) > 1 else 10_000)
+    count = int(sys.argv[1]) if len(sys.argv) > 1 else 10_000
+    files = sys.argv[2:] or ["problems/servosila-engineer-bodies.toml", "tests/cross_check/shapes.toml"]
+    agreed = [main(file, count) for file in files]
+    sys.exit(0 if all(agreed) else 1)
