@@ -148,7 +148,8 @@ def main(file, count):
     fromto = np.zeros(6)
     request = coal.DistanceRequest()
     worst = {"mujoco": 0.0, "coal": 0.0}
-    missed = needless = colliding = compared = disagreements = split = near = 0
+    missed = needless = colliding = compared = disagreements = near = 0
+    alone = {"mujoco": 0, "coal": 0}
     worst_center = 0.0
     for configuration in model["configurations"]:
         q = configuration["q"]
@@ -181,7 +182,8 @@ def main(file, count):
                 # In contact calipose does not say how deep.
                 contradicts[library] = abs(max(gap, 0) - max(distance, 0)) > TOLERANCE
             disagreements += all(contradicts.values())
-            split += any(contradicts.values()) and not all(contradicts.values())
+            if sum(contradicts.values()) == 1:
+                alone["mujoco" if contradicts["mujoco"] else "coal"] += 1
         colliding += configuration["collides"]
         near += abs(min(nearest.values()) - clearance) < 1e-3
         if not configuration["collides"] and min(nearest.values()) < clearance - TOLERANCE:
@@ -195,8 +197,8 @@ def main(file, count):
           f"finds: {needless}.")
     print(f"{compared} distances compared; worst difference: "
           + ", ".join(f"{name} {value:.1e} m" for name, value in worst.items())
-          + f". In {disagreements} cases calipose contradicts both libraries; in {split} the libraries contradict each other "
-          "and calipose agrees with one.")
+          + f". In {disagreements} cases calipose contradicts both libraries; in {alone['mujoco']} MuJoCo contradicts coal and "
+          f"calipose, in {alone['coal']} coal contradicts MuJoCo and calipose.")
     if has_mass:
         print(f"Centre of mass: worst difference {worst_center:.1e} m.")
     return not (missed or needless or disagreements or worst_center > CENTER_TOLERANCE or not compared)
