@@ -70,22 +70,36 @@ impl SupportMap for Core {
     }
 }
 
+/// A core in millimetres. The search gives up when a step gains less than about 10⁻⁷ in its units' squares, which for links in
+/// metres may be 10 µm.
+struct Fine<'c>(&'c Core);
+
+const MILLIMETRES: f64 = 1e3;
+
+impl SupportMap for Fine<'_> {
+    fn local_support_point(&self, dir: &Vector3<f64>) -> Point3<f64> {
+        self.0.local_support_point(dir) * MILLIMETRES
+    }
+}
+
 impl Core {
     /// A lower bound of the distance in m to the core `other`, whose pose in this one's frame is `X_12`: a plane separates
     /// the two by that much. Not positive if they are not proven apart. Where the distance is below `enough`, and where they
     /// are apart at all, the bound is the distance but for rounding.
     pub(super) fn separation(&self, X_12: &Pose, other: &Core, enough: f64) -> f64 {
-        let start = Unit::try_new(-X_12.translation.vector, 1e-12).unwrap_or(Vector3::x_axis());
+        let (one, two) = (&Fine(self), &Fine(other));
+        let X_12 = &Pose::from_parts((X_12.translation.vector * MILLIMETRES).into(), X_12.rotation);
+        let start = Unit::try_new(-X_12.translation.vector, 1e-9).unwrap_or(Vector3::x_axis());
         let mut simplex = VoronoiSimplex::new();
-        simplex.reset(CSOPoint::from_shapes(X_12, self, other, &start));
+        simplex.reset(CSOPoint::from_shapes(X_12, one, two, &start));
         // The search may end early or stall. What counts is the gap that its axis leaves, whatever it says itself.
-        let (axis, between) = match closest_points(X_12, self, other, enough, true, &mut simplex) {
+        let (axis, between) = match closest_points(X_12, one, two, enough * MILLIMETRES, true, &mut simplex) {
             GJKResult::Intersection => return 0.0,
             GJKResult::ClosestPoints(p_1, p_2, axis) => (axis, Unit::try_new(p_2 - p_1, 0.0)),
             GJKResult::Proximity(axis) | GJKResult::NoIntersection(axis) => (axis, None),
         };
-        let gap = |axis: Unit<Vector3<f64>>| -axis.dot(&CSOPoint::from_shapes(X_12, self, other, &axis).point.coords);
-        gap(axis).max(between.map_or(f64::NEG_INFINITY, gap))
+        let gap = |axis: Unit<Vector3<f64>>| -axis.dot(&CSOPoint::from_shapes(X_12, one, two, &axis).point.coords);
+        gap(axis).max(between.map_or(f64::NEG_INFINITY, gap)) / MILLIMETRES
     }
 }
 
@@ -148,7 +162,7 @@ impl<'s> Placed<'s> {
     /// Distance in m between the solids; not positive where they touch, and then not their depth.
     pub(super) fn gap(&self, other: &Self) -> f64 {
         let X_12 = self.X_BG.inv_mul(&other.X_BG);
-        let separation = self.solid.core.separation(&X_12, &other.solid.core, f64::MAX);
+        let separation = self.solid.core.separation(&X_12, &other.solid.core, f64::INFINITY);
         separation - self.solid.radius - other.solid.radius
     }
 

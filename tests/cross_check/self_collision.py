@@ -1,14 +1,14 @@
 """Self-collision verdicts and centres of mass of calipose against MuJoCo and coal.
 
-    python tests/cross_check/self_collision.py [FILE] [COUNT]
+    python tests/cross_check/self_collision.py [COUNT] [FILE ...]
 
 Makes a virtual environment with mujoco and coal from PyPI (in $CROSS_CHECK_VENV, or a temporary folder), lets
 `examples/feasibility_dump.rs` print the model and calipose's answers for COUNT (10 000) random configurations and for
 pairs of them moved to either side of where the verdict changes, builds the same robot as MJCF, and compares configuration
-by configuration:
+by configuration (of the Servosila with bodies and of shapes.toml, which has every kind of body, unless files are given):
 
-- distances of every tested pair of links, where they are apart: MuJoCo's kinematics, MuJoCo's and coal's distances. A
-  distance is wrong if it contradicts both (MuJoCo 4.0.0 at times finds a capsule apart from a box that it pierces);
+- distances of every tested pair of links, where they are apart: MuJoCo's kinematics, MuJoCo's and coal's distances. One
+  that contradicts both is wrong (MuJoCo 4.0.0 at times finds a capsule apart from a box that it pierces);
 - verdicts: no pair that either library finds nearer than the clearance by more than TOLERANCE may be called free, and none
   called a collision that both find farther than the clearance by more than TOLERANCE;
 - the centre of mass.
@@ -114,6 +114,7 @@ def coal_shape(coal, numpy, body):
 
 
 def main(file, count):
+    """Prints how far calipose and the libraries agree on FILE; whether they do."""
     import coal
     import mujoco
     import numpy as np
@@ -147,7 +148,8 @@ def main(file, count):
     fromto = np.zeros(6)
     request = coal.DistanceRequest()
     worst = {"mujoco": 0.0, "coal": 0.0}
-    missed = needless = colliding = compared = disagreements = split = near = 0
+    missed = needless = colliding = compared = disagreements = near = 0
+    alone = {"mujoco": 0, "coal": 0}
     worst_center = 0.0
     for configuration in model["configurations"]:
         q = configuration["q"]
@@ -180,7 +182,8 @@ def main(file, count):
                 # In contact calipose does not say how deep.
                 contradicts[library] = abs(max(gap, 0) - max(distance, 0)) > TOLERANCE
             disagreements += all(contradicts.values())
-            split += any(contradicts.values()) and not all(contradicts.values())
+            if sum(contradicts.values()) == 1:
+                alone["mujoco" if contradicts["mujoco"] else "coal"] += 1
         colliding += configuration["collides"]
         near += abs(min(nearest.values()) - clearance) < 1e-3
         if not configuration["collides"] and min(nearest.values()) < clearance - TOLERANCE:
@@ -194,16 +197,17 @@ def main(file, count):
           f"finds: {needless}.")
     print(f"{compared} distances compared; worst difference: "
           + ", ".join(f"{name} {value:.1e} m" for name, value in worst.items())
-          + f". In {disagreements} cases calipose contradicts both libraries; in {split} the libraries contradict each other "
-          "and calipose agrees with one.")
+          + f". In {disagreements} cases calipose contradicts both libraries; in {alone['mujoco']} MuJoCo contradicts coal and "
+          f"calipose, in {alone['coal']} coal contradicts MuJoCo and calipose.")
     if has_mass:
         print(f"Centre of mass: worst difference {worst_center:.1e} m.")
-    failed = missed or needless or disagreements or worst_center > CENTER_TOLERANCE or not compared
-    sys.exit(1 if failed else 0)
+    return not (missed or needless or disagreements or worst_center > CENTER_TOLERANCE or not compared)
 
 
 if __name__ == "__main__":
     if os.environ.get("CROSS_CHECK_INSIDE") != "1":
         in_virtual_environment()
-    arguments = sys.argv[1:]
-    main(arguments[0] if arguments else "problems/servosila-engineer-bodies.toml", int(arguments[1]) if len(arguments) > 1 else 10_000)
+    count = int(sys.argv[1]) if len(sys.argv) > 1 else 10_000
+    files = sys.argv[2:] or ["problems/servosila-engineer-bodies.toml", "tests/cross_check/shapes.toml"]
+    agreed = [main(file, count) for file in files]
+    sys.exit(0 if all(agreed) else 1)
