@@ -5,6 +5,7 @@
 
 mod calibrate;
 mod compare;
+mod explain;
 mod failure;
 mod next;
 mod plan;
@@ -60,6 +61,8 @@ enum Command {
     Compare(compare::CompareArguments),
     /// Calibrate a camera from detected corners
     Calibrate(calibrate::CalibrateArguments),
+    /// Explain a plan: what more poses would bring, what each pose pins down, what could take its place
+    Explain(explain::ExplainArguments),
     /// Count the candidates, at one or several steps
     Sweep(sweep::SweepArguments),
     /// Simulate the calibration that a plan leads to and hold it against the prediction
@@ -163,6 +166,7 @@ fn run(command: &Command, screen: &mut Screen) -> Result<(), Failure> {
         Command::Plan(arguments) => plan::run(arguments, screen),
         Command::Compare(arguments) => compare::run(arguments, screen),
         Command::Calibrate(arguments) => calibrate::run(arguments, screen),
+        Command::Explain(arguments) => explain::run(arguments, screen),
         Command::Sweep(arguments) => sweep::run(arguments, screen),
         Command::Verify(arguments) => verify::run(arguments, screen),
         Command::Next(arguments) => next::run(arguments, screen),

@@ -163,7 +163,7 @@ impl<'a> Chooser<'a> {
     }
 
     /// The same chooser by the accuracies that the problem wishes for, instead of its criteria.
-    fn by_accuracies(&self) -> Self {
+    pub(super) fn by_accuracies(&self) -> Self {
         let accuracies = &self.problem.selection.accuracies;
         Self {
             problem: self.problem,

@@ -5,10 +5,13 @@ mod candidates;
 mod choice;
 mod comparison;
 mod document;
+mod explain;
+mod explanation;
 mod files;
 mod make;
 mod next;
 mod objective;
+mod recall;
 mod survey;
 mod verify;
 
@@ -20,8 +23,14 @@ pub use document::{
     AccuracyDocument, Candidates, CertificateDocument, CertificateTerm, FewestDocument, Intrinsics, PLAN_FORMAT,
     PLAN_VERSION, Plan, PlanReadError, PlannedPose, Pose, Price, ProblemReference, SearchDocument,
 };
+pub use explain::{ExplainSettings, explain};
+pub use explanation::{
+    CombinationTerm, CurvePoint, EXPLANATION_FORMAT, EXPLANATION_VERSION, Explanation, LeastKnown, PoseExplanation,
+    SparePose, Suffering,
+};
 pub use files::{FileError, write_atomically, write_together};
 pub use make::{FewestProof, Made, SearchSummary, make};
 pub use next::{Proposal, Wish, next};
+pub use recall::RecallError;
 pub use survey::{Survey, SurveyError, survey};
 pub use verify::{VerifyError, verify};
