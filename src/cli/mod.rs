@@ -10,6 +10,7 @@ mod failure;
 mod next;
 mod plan;
 mod planned;
+mod polish;
 mod problem;
 mod screen;
 mod searching;
@@ -63,6 +64,8 @@ enum Command {
     Calibrate(calibrate::CalibrateArguments),
     /// Explain a plan: what more poses would bring, what each pose pins down, what could take its place
     Explain(explain::ExplainArguments),
+    /// Move a plan's poses off the grid, to better joint values nearby
+    Polish(polish::PolishArguments),
     /// Count the candidates, at one or several steps
     Sweep(sweep::SweepArguments),
     /// Simulate the calibration that a plan leads to and hold it against the prediction
@@ -167,6 +170,7 @@ fn run(command: &Command, screen: &mut Screen) -> Result<(), Failure> {
         Command::Compare(arguments) => compare::run(arguments, screen),
         Command::Calibrate(arguments) => calibrate::run(arguments, screen),
         Command::Explain(arguments) => explain::run(arguments, screen),
+        Command::Polish(arguments) => polish::run(arguments, screen),
         Command::Sweep(arguments) => sweep::run(arguments, screen),
         Command::Verify(arguments) => verify::run(arguments, screen),
         Command::Next(arguments) => next::run(arguments, screen),

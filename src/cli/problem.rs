@@ -7,7 +7,7 @@ use serde_json::json;
 use super::WRITING;
 use super::failure::Failure;
 use super::screen::{Screen, grouped, short};
-use crate::feasibility::{View, visible_views};
+use crate::feasibility::visible_views;
 use crate::plan::write_atomically;
 use crate::problem::{Problem, STARTER, schema_json};
 use crate::sweep::{AxisRule, JointSpace};
@@ -34,11 +34,7 @@ pub(super) fn check(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
     };
     let (mut views, _) = visible_views(robot, camera, target, visibility, space, &pilot);
     if problem.axis == AxisRule::Zone {
-        let meets_zone = |view: &View| {
-            let point_T = view.target_point().map(|point| target.X_BT.inverse() * point);
-            point_T.is_some_and(|p| target.zone.case(p.x, p.y) != AxisCase::Outside)
-        };
-        views.retain(meets_zone);
+        views.retain(|view| view.axis_case(target) != AxisCase::Outside);
     }
     let share = views.len() as f64 / pilot.len() as f64;
     let seen = (share * total as f64).round() as usize;

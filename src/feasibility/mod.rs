@@ -2,4 +2,4 @@
 
 mod visibility;
 
-pub use visibility::{Rejection, View, VisibilityLimits, visible_views};
+pub use visibility::{Rejection, View, VisibilityLimits, view_from, visible_views};

@@ -7,7 +7,7 @@ use crate::camera::Camera;
 use crate::robot::Robot;
 use crate::spatial::Pose;
 use crate::sweep::JointSpace;
-use crate::target::Target;
+use crate::target::{AxisCase, Target};
 
 /// What a view must satisfy.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,6 +55,12 @@ impl View {
         let normal_C = self.X_CT.rotation * Vector3::z();
         let t = normal_C.dot(&self.X_CT.translation.vector) / normal_C.z;
         (t.is_finite() && t > 0.0).then(|| self.X_BC * Point3::new(0.0, 0.0, t))
+    }
+
+    /// Where the optical axis meets the target's plane.
+    pub fn axis_case(&self, target: &Target) -> AxisCase {
+        let point_T = self.target_point().map(|point| target.X_BT.inverse() * point);
+        point_T.map_or(AxisCase::Outside, |point| target.zone.case(point.x, point.y))
     }
 }
 
@@ -114,15 +120,7 @@ pub fn visible_views(
     candidates: &[usize],
 ) -> (Vec<View>, [usize; Rejection::ALL.len()]) {
     let corners: Vec<Point3<f64>> = target.board.corners().collect();
-    let test = |&id: &usize| {
-        let q = space.configuration(id);
-        let X_BC = robot.camera_pose(&q);
-        let X_CT = X_BC.inverse() * target.X_BT;
-        match rejection(camera, target, limits, &corners, &X_CT) {
-            Some(reason) => Err(reason),
-            None => Ok(View { id, q, X_BC, X_CT }),
-        }
-    };
+    let test = |&id: &usize| view_from(robot, camera, target, limits, &corners, id, space.configuration(id));
     // Chunk by chunk, so that the rejected take no memory.
     let chunks: Vec<_> = candidates
         .par_chunks(1024)
@@ -142,6 +140,27 @@ pub fn visible_views(
         }
     }
     (views, rejected)
+}
+
+/// The view from joint values `q` (rad or m), under the number `id`; `corners` are the board's.
+///
+/// # Errors
+/// When it is not a view, with the first reason.
+pub fn view_from(
+    robot: &Robot,
+    camera: &Camera,
+    target: &Target,
+    limits: &VisibilityLimits,
+    corners: &[Point3<f64>],
+    id: usize,
+    q: Vec<f64>,
+) -> Result<View, Rejection> {
+    let X_BC = robot.camera_pose(&q);
+    let X_CT = X_BC.inverse() * target.X_BT;
+    match rejection(camera, target, limits, corners, &X_CT) {
+        Some(reason) => Err(reason),
+        None => Ok(View { id, q, X_BC, X_CT }),
+    }
 }
 
 /// Cosine of the angle between the optical axis and the board's inward normal.

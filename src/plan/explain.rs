@@ -349,15 +349,18 @@ mod tests {
         let problem = Problem::parse(&text, path).unwrap().with_step(20f64.to_radians()).unwrap();
         let survey = survey(&problem, &|_| {}).unwrap();
         let chooser = Chooser::new(&problem, &survey).unwrap();
-        let pair = chooser.choose(crate::selection::Method::Exchange, 2, 0).unwrap();
-        let explained = explain(&problem, &chooser, &pair.selected, &SETTINGS, &|_| {}).unwrap();
-        for pose in &explained.poses {
+        let few = chooser.choose(crate::selection::Method::Exchange, 3, 0).unwrap();
+        let explained = explain(&problem, &chooser, &few.selected, &SETTINGS, &|_| {}).unwrap();
+        let (open, closed): (Vec<_>, Vec<_>) = explained.poses.iter().partition(|pose| !pose.leaves_open.is_empty());
+        assert!(!open.is_empty());
+        for pose in open {
             assert_eq!(pose.loss, 1.0);
             assert_eq!((pose.map_error_px, &pose.suffers_most), (None, &None));
             assert_eq!(pose.leaves_open.len(), 4);
         }
+        assert!(closed.iter().all(|pose| pose.loss < 1.0 && pose.suffers_most.is_some()));
         assert_eq!(explained.curve[0].value, None);
-        let refused = explain(&problem, &chooser, &pair.selected[..1], &SETTINGS, &|_| {});
+        let refused = explain(&problem, &chooser, &few.selected[..1], &SETTINGS, &|_| {});
         assert!(matches!(refused, Err(PlanError::Unobservable { count: 1, .. })), "{refused:?}");
     }
 }

@@ -11,6 +11,8 @@ mod files;
 mod make;
 mod next;
 mod objective;
+mod polish;
+mod polished;
 mod recall;
 mod survey;
 mod verify;
@@ -31,6 +33,8 @@ pub use explanation::{
 pub use files::{FileError, write_atomically, write_together};
 pub use make::{FewestProof, Made, SearchSummary, make};
 pub use next::{Proposal, Wish, next};
+pub use polish::{PolishSettings, Polished, polish};
+pub use polished::{GridPlan, POLISHED_FORMAT, POLISHED_VERSION, PROVEN, PolishedPlan};
 pub use recall::RecallError;
 pub use survey::{Survey, SurveyError, survey};
 pub use verify::{VerifyError, verify};
