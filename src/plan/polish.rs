@@ -65,6 +65,10 @@ const SIMPLEX_TOLERANCE: f64 = 1e-8;
 const SHARE_OF_STEP: f64 = 0.5;
 const SHARE_OF_RANGE: f64 = 0.02;
 
+/// First steps of one cycle's two tries, as multiples: beside the border of what is seen a simplex may collapse, and another
+/// one, opened the other way, gets on.
+const TRIES: [f64; 2] = [1.0, -0.4];
+
 /// Softnesses of functions with kinks, where moving a single pose rarely gains, before the function itself.
 const SOFTNESSES: [f64; 3] = [0.3, 0.1, 0.03];
 
@@ -85,11 +89,11 @@ pub fn polish(
     let corners: Vec<Point3<f64>> = problem.target.board.corners().collect();
     let objective = chooser.objective();
     let instance = chooser.instance(grid.selected.len())?;
-    let cell = Cell { problem, objective, corners: &corners };
+    let setting = Setting { problem, objective, corners: &corners };
     let start = grid.selected.iter().map(|&i| chooser.survey().views[i].clone());
     let board = &problem.target.board;
     let undetermined = SurveyError::PoseUndetermined { columns: board.columns, rows: board.rows };
-    let mut current = Poses::new(&cell, start.collect()).ok_or_else(|| undetermined.clone())?;
+    let mut current = Poses::new(&setting, start.collect()).ok_or_else(|| undetermined.clone())?;
     let mut best = current.clone();
     let mut best_value = grid.log_value;
     let fixed: Vec<bool> = grid.selected.iter().map(|i| instance.required().contains(i)).collect();
@@ -102,7 +106,9 @@ pub fn polish(
             cycles += 1;
             let before = stage.log_value(&current.total(&stage));
             for place in (0..fixed.len()).filter(|&place| !fixed[place]) {
-                current.improve(&cell, &stage, place);
+                for steps in TRIES {
+                    current.improve(&setting, &stage, place, steps);
+                }
             }
             converged = stage.log_value(&current.total(&stage)) - before < settings.least_gain;
             let value = instance.log_value(&current.total(&instance));
@@ -115,7 +121,7 @@ pub fn polish(
         current = best.clone();
     }
     drop(instance);
-    let measurement = cell.measurement();
+    let measurement = setting.measurement();
     let p = problem.estimated.len();
     let mut M = chooser.information(&[]);
     for view in &best.views {
@@ -135,14 +141,14 @@ pub fn polish(
     })
 }
 
-/// What a pose is judged by.
-struct Cell<'a> {
+/// What poses are judged by.
+struct Setting<'a> {
     problem: &'a Problem,
     objective: &'a Objective<'a>,
     corners: &'a [Point3<f64>],
 }
 
-impl Cell<'_> {
+impl Setting<'_> {
     fn measurement(&self) -> Measurement<'_> {
         let Problem { camera, noise, estimated, .. } = self.problem;
         Measurement { camera, corners: self.corners, noise: *noise, estimated }
@@ -181,9 +187,9 @@ struct Poses {
 }
 
 impl Poses {
-    fn new(cell: &Cell, views: Vec<View>) -> Option<Self> {
-        let measurement = cell.measurement();
-        let information = views.iter().map(|view| cell.objective.information(&measurement, &view.X_CT));
+    fn new(setting: &Setting, views: Vec<View>) -> Option<Self> {
+        let measurement = setting.measurement();
+        let information = views.iter().map(|view| setting.objective.information(&measurement, &view.X_CT));
         let information = information.collect::<Option<_>>()?;
         Some(Self { views, information })
     }
@@ -201,11 +207,12 @@ impl Poses {
         total
     }
 
-    /// Moves one pose to where log Φ of `instance` is greater, if the simplex method finds such a place.
-    fn improve(&mut self, cell: &Cell, instance: &Instance, place: usize) {
+    /// Moves one pose to where log Φ of `instance` is greater, if the simplex method finds such a place; `steps` as in
+    /// [`TRIES`].
+    fn improve(&mut self, setting: &Setting, instance: &Instance, place: usize, steps: f64) {
         let others = self.views.iter().enumerate().filter(|(other, _)| *other != place).map(|(_, view)| view);
         let pose = OnePose {
-            cell,
+            setting,
             instance,
             id: self.views[place].id,
             others: others.collect(),
@@ -213,8 +220,8 @@ impl Poses {
         };
         let q = DVector::from_column_slice(&self.views[place].q);
         let before = pose.value_with(&self.information[place]);
-        let Some(q) = pose.best_near(&q) else { return };
-        let Some((view, information)) = pose.cell.look(pose.id, &q, &pose.others) else { return };
+        let Some(q) = pose.best_near(&q, steps) else { return };
+        let Some((view, information)) = pose.setting.look(pose.id, &q, &pose.others) else { return };
         if pose.value_with(&information) > before {
             self.views[place] = view;
             self.information[place] = information;
@@ -224,7 +231,7 @@ impl Poses {
 
 /// The problem of placing one pose, the others held.
 struct OnePose<'a> {
-    cell: &'a Cell<'a>,
+    setting: &'a Setting<'a>,
     instance: &'a Instance<'a>,
     id: usize,
     others: Vec<&'a View>,
@@ -241,18 +248,18 @@ impl OnePose<'_> {
 
     /// −log Φ; infinite where the pose is no view or not allowed.
     fn cost_at(&self, q: &DVector<f64>) -> f64 {
-        match self.cell.look(self.id, q, &self.others) {
+        match self.setting.look(self.id, q, &self.others) {
             Some((_, information)) => -self.value_with(&information),
             None => f64::INFINITY,
         }
     }
 
     /// Where the simplex method ends.
-    fn best_near(&self, q: &DVector<f64>) -> Option<DVector<f64>> {
+    fn best_near(&self, q: &DVector<f64>, steps: f64) -> Option<DVector<f64>> {
         let vertex = |(joint, &step): (usize, &f64)| {
             let moved = |share: f64| {
                 let mut vertex = q.clone();
-                vertex[joint] += share * step;
+                vertex[joint] += steps * share * step;
                 vertex
             };
             // Beside the border of what is allowed a vertex is better inside than infinite.
@@ -260,9 +267,9 @@ impl OnePose<'_> {
             let inside = inside.into_iter().find(|vertex| self.cost_at(vertex) < f64::INFINITY);
             inside.unwrap_or_else(|| moved(0.125))
         };
-        let steps = self.cell.steps();
+        let first = self.setting.steps();
         let simplex: Vec<DVector<f64>> =
-            std::iter::once(q.clone()).chain(steps.iter().enumerate().map(vertex)).collect();
+            std::iter::once(q.clone()).chain(first.iter().enumerate().map(vertex)).collect();
         let solver = NelderMead::new(simplex).with_sd_tolerance(SIMPLEX_TOLERANCE).ok()?;
         let iterations = ITERATIONS_PER_JOINT * q.len() as u64;
         let executor = Executor::new(self, solver).configure(|state| state.max_iters(iterations)).timer(false);
@@ -385,8 +392,8 @@ mod tests {
         for chooser in choosers {
             let grid = chooser.choose(Method::Greedy, 8, 0).unwrap();
             let corners: Vec<Point3<f64>> = problem.target.board.corners().collect();
-            let cell = Cell { problem: &problem, objective: chooser.objective(), corners: &corners };
-            let poses = Poses::new(&cell, grid.selected.iter().map(|&i| survey.views[i].clone()).collect()).unwrap();
+            let setting = Setting { problem: &problem, objective: chooser.objective(), corners: &corners };
+            let poses = Poses::new(&setting, grid.selected.iter().map(|&i| survey.views[i].clone()).collect()).unwrap();
             let instance = chooser.instance(8).unwrap();
             assert_eq!(poses.total(&instance), instance.total(&grid.selected), "{}", chooser.criterion());
             drop(instance);
