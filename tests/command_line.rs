@@ -2,85 +2,16 @@
 
 #![allow(clippy::unwrap_used)]
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::path::Path;
+use std::process::Stdio;
 
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 use serde_json::Value;
-use tempfile::TempDir;
 
-/// A problem that is solved in no time: the shipped one, swept coarsely.
-struct Desk {
-    folder: TempDir,
-}
+mod desk;
 
-impl Desk {
-    fn new() -> Self {
-        let desk = Self { folder: tempfile::tempdir().unwrap() };
-        std::fs::copy("problems/servosila-engineer.toml", desk.path("coarse.toml")).unwrap();
-        desk.change("coarse.toml", &[("step_deg = 8", "step_deg = 15")]);
-        desk
-    }
-
-    /// Writes the coarse problem under another name, with some of its text replaced.
-    fn change(&self, name: &str, replacements: &[(&str, &str)]) {
-        let mut text = std::fs::read_to_string(self.path("coarse.toml")).unwrap();
-        for (from, to) in replacements {
-            assert!(text.contains(from), "{from}");
-            text = text.replace(from, to);
-        }
-        std::fs::write(self.path(name), text).unwrap();
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.folder.path().join(name)
-    }
-
-    /// The program in this folder with arguments as typed.
-    fn command(&self, line: &str) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_calipose"));
-        command.current_dir(self.folder.path()).args(line.split_whitespace()).stdin(Stdio::null());
-        command
-    }
-
-    fn run(&self, line: &str) -> Output {
-        self.command(line).output().unwrap()
-    }
-
-    /// What a command that must succeed prints.
-    fn stdout(&self, line: &str) -> String {
-        let output = self.run(line);
-        assert_eq!(output.status.code(), Some(0), "{line}: {}", text(&output.stderr));
-        assert_eq!(text(&output.stderr), "", "{line}");
-        text(&output.stdout)
-    }
-
-    fn json(&self, line: &str) -> Value {
-        serde_json::from_str(&self.stdout(line)).unwrap()
-    }
-
-    /// What a command that must fail with `code` complains of; stdout must stay empty.
-    fn complaint(&self, line: &str, code: i32) -> String {
-        let output = self.run(line);
-        assert_eq!(output.status.code(), Some(code), "{line}: {}", text(&output.stderr));
-        assert_eq!(text(&output.stdout), "", "{line}");
-        assert!(!text(&output.stderr).contains("bug"), "{}", text(&output.stderr));
-        // Errors are drawn to the terminal's width; the words matter here.
-        text(&output.stderr).replace('│', " ").split_whitespace().collect::<Vec<_>>().join(" ")
-    }
-
-    fn files(&self, folder: &str) -> Vec<String> {
-        let entries = std::fs::read_dir(self.path(folder)).unwrap();
-        let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
-        names.sort();
-        names
-    }
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).unwrap()
-}
+use desk::{Desk, text};
 
 fn read_json(path: &Path) -> Value {
     serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
@@ -130,11 +61,12 @@ fn plan_says_and_writes_what_it_found() {
         assert!(keys(&plan).contains(&key), "{key}");
     }
     assert_eq!(plan["format"], "calipose.plan");
-    assert_eq!(plan["version"], 1);
+    assert_eq!(plan["version"], 2);
     assert_eq!(keys(&plan["problem"]), ["name", "sha256"]);
     assert_eq!(keys(&plan["candidates"]), ["swept", "axis_inside", "axis_edge", "kept", "rejected"]);
     assert_eq!(keys(&plan["intrinsics"]), ["names", "nominal", "sigma"]);
-    assert_eq!(keys(&plan["certificate"]), ["matrix"]);
+    assert_eq!(keys(&plan["certificate"]), ["bound", "terms"]);
+    assert_eq!(keys(&plan["certificate"]["terms"][0]), ["criterion", "share", "matrix"]);
     let poses = plan["poses"].as_array().unwrap();
     assert_eq!(poses.len(), 10);
     for pose in poses {
@@ -289,7 +221,7 @@ fn wrong_command_lines_end_with_two() {
         ("plan", "<FILE>"),
         ("plam coarse.toml", "similar"),
         ("plan coarse.toml --method gredy", "'greedy'"),
-        ("plan coarse.toml --criterion z", "possible values: d, v"),
+        ("plan coarse.toml --criterion z", "possible values: d, a, e, v, zhang, diversity"),
         ("plan coarse.toml --count ten", "invalid"),
         ("plan coarse.toml --candidates xlsx", "parquet"),
         ("compare coarse.toml --seeds 0", "at least 1"),
@@ -461,7 +393,7 @@ fn verify_refuses_what_is_no_plan_of_the_problem() {
     let plan = std::fs::read_to_string(desk.path("out/plan.json")).unwrap();
     std::fs::write(desk.path("out/plan.json"), &plan[..plan.len() / 2]).unwrap();
     assert!(desk.complaint("verify out/plan.json --problem coarse.toml", 3).contains("not a plan"));
-    std::fs::write(desk.path("out/plan.json"), plan.replace("\"version\": 1", "\"version\": 9")).unwrap();
+    std::fs::write(desk.path("out/plan.json"), plan.replace("\"version\": 2", "\"version\": 9")).unwrap();
     assert!(desk.complaint("verify out/plan.json --problem coarse.toml", 3).contains("version 9"));
 }
 

@@ -58,6 +58,8 @@ fn the_defaults_that_the_starter_shows_are_the_defaults() {
         "method",
         "seed",
         "tolerance",
+        "time_limit_s",
+        "node_limit",
     ] {
         let comment = format!("# {key} = ");
         assert!(shown.contains(&comment), "{key}");

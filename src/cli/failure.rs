@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use crate::calibration::CalibrationError;
 use crate::formats::{FileReadError, ReadError, ReadFault};
-use crate::plan::{ConstraintError, FileError, PlanError, SurveyError, VerifyError};
+use crate::plan::{CertifyError, ConstraintError, FileError, PlanError, SurveyError, VerifyError};
 use crate::problem::ProblemError;
 use crate::selection::SelectionError;
 
@@ -31,6 +31,9 @@ pub(super) enum Failure {
     Calibration { path: PathBuf, error: CalibrationError, names: Vec<String> },
     #[error("cannot use the plan {}: {reason}", path.display())]
     PlanFile { path: PathBuf, reason: String },
+    #[error("the plan {} does not hold: {error}", path.display())]
+    #[diagnostic(help("it was changed, or made by a faulty program; make a new plan"))]
+    Certify { path: PathBuf, error: Box<CertifyError> },
     #[error(transparent)]
     Verify(#[from] VerifyError),
     #[error("{} exists already", .0.display())]

@@ -4,6 +4,7 @@
 //! wrong; 3 the problem file, plan or file of observations was refused; 70 a bug in calipose; 130 interrupted.
 
 mod calibrate;
+mod certify;
 mod compare;
 mod explain;
 mod failure;
@@ -70,6 +71,8 @@ enum Command {
     Sweep(sweep::SweepArguments),
     /// Simulate the calibration that a plan leads to and hold it against the prediction
     Verify(verify::VerifyArguments),
+    /// Recompute a plan's certificate from its matrix and the problem file
+    Certify(certify::CertifyArguments),
     /// Re-estimate from the views taken so far and propose the next best poses
     Next(next::NextArguments),
     /// Validate a problem file and say what a run would do
@@ -173,6 +176,7 @@ fn run(command: &Command, screen: &mut Screen) -> Result<(), Failure> {
         Command::Polish(arguments) => polish::run(arguments, screen),
         Command::Sweep(arguments) => sweep::run(arguments, screen),
         Command::Verify(arguments) => verify::run(arguments, screen),
+        Command::Certify(arguments) => certify::run(arguments, screen),
         Command::Next(arguments) => next::run(arguments, screen),
         Command::Check { file } => problem::check(file, screen),
         Command::Init { file } => problem::init(file, screen),

@@ -55,6 +55,12 @@ pub(super) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<(), 
         return Err(Failure::Usage("--count is 0; a plan has at least one pose".into()));
     }
     selection.method = arguments.method.unwrap_or(selection.method);
+    if !selection.method.heeds_constraints() && !problem.constraints.allow_all() {
+        let method = selection.method.name();
+        return Err(Failure::Usage(format!(
+            "--method {method} does not look at the file's [constraints]; take another"
+        )));
+    }
     if let Some(output) = &arguments.output {
         problem.output.clone_from(output);
     }
@@ -181,19 +187,7 @@ fn summary(problem: &Problem, survey: &Survey, chooser: &Chooser, plan: &Plan) -
     if !rejected.is_empty() {
         text += &format!("Rejected: {}.\n", rejected.join(", "));
     }
-    text += &format!(
-        "\n{} poses by `{}` for criterion `{}`: value {}, bound {}, certified efficiency {:.4}:\nno {} of the {} candidates \
-         can give more than {:.2} % more information.\n\n",
-        plan.count,
-        plan.method,
-        plan.criterion,
-        short(plan.value),
-        short(plan.bound),
-        plan.efficiency,
-        plan.count,
-        grouped(candidates.kept),
-        100.0 * (1.0 / plan.efficiency - 1.0),
-    );
+    text += &format!("\n{}\n\n", outcome(plan));
     text += &pose_table(problem, &plan.poses);
 
     let intrinsics = &plan.intrinsics;
@@ -215,6 +209,49 @@ fn summary(problem: &Problem, survey: &Survey, chooser: &Chooser, plan: &Plan) -
         of(1),
     );
     Ok(text)
+}
+
+/// What was chosen and what is proven of it.
+fn outcome(plan: &Plan) -> String {
+    let Plan { count, method, criterion, value, bound, efficiency, search, fewest, .. } = plan;
+    let spare = 100.0 * (1.0 / efficiency - 1.0);
+    let candidates = grouped(plan.candidates.kept);
+    if let Some(fewest) = fewest {
+        let reached: Vec<String> = fewest
+            .accuracies
+            .iter()
+            .map(|accuracy| format!("{} {} (wished {})", accuracy.name, short(accuracy.reached), accuracy.wished))
+            .collect();
+        let proof = if fewest.least == *count {
+            format!("{} are proven not to suffice.", count - 1)
+        } else {
+            format!(
+                "Fewer than {} are proven not to suffice; of {} to {} it is not known (give the search more time).",
+                fewest.least,
+                fewest.least,
+                count - 1,
+            )
+        };
+        return format!("{count} poses reach the accuracy: {}.\n{proof}", reached.join(", "));
+    }
+    let chosen = format!("{count} poses by `{method}` for criterion `{criterion}`: value {}", short(*value));
+    match search {
+        Some(search) if search.end == "optimal" => format!(
+            "{chosen}, proven optimal:\nno {count} of the {candidates} candidates are better ({} nodes).",
+            grouped(search.nodes)
+        ),
+        _ => {
+            let ended = search
+                .as_ref()
+                .map(|search| format!(" The search ended by {} after {} nodes.", search.end, grouped(search.nodes)));
+            format!(
+                "{chosen}, bound {}, certified efficiency {efficiency:.4}:\nno {count} of the {candidates} candidates can give \
+                 more than {spare:.2} % more information.{}",
+                short(*bound),
+                ended.unwrap_or_default(),
+            )
+        }
+    }
 }
 
 /// The poses in degrees and mm, one a row.

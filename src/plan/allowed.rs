@@ -123,7 +123,12 @@ pub(super) fn known(problem: &Problem) -> Result<DMatrix<f64>, ConstraintError> 
     }
     for (view, q) in problem.constraints.captured.iter().enumerate() {
         let X_CT = problem.robot.camera_pose(q).inverse() * problem.target.X_BT;
-        let information = measurement.information(&X_CT).ok_or(ConstraintError::CapturedUnseen { view: view + 1 })?;
+        let camera = &problem.camera;
+        let in_image = |corner| camera.project(&(X_CT * corner)).is_some_and(|pixel| camera.contains(&pixel, 0.0));
+        let printed_side = (X_CT.rotation * Vector3::z()).dot(&X_CT.translation.vector) < 0.0;
+        let seen = printed_side && corners.iter().all(in_image);
+        let information = measurement.information(&X_CT).filter(|_| seen);
+        let information = information.ok_or(ConstraintError::CapturedUnseen { view: view + 1 })?;
         known += unpack(&information, p);
     }
     Ok(known)

@@ -185,6 +185,10 @@ impl<'a> Chooser<'a> {
         &self.objective
     }
 
+    pub(super) fn constraints(&self) -> &Constraints {
+        &self.constraints
+    }
+
     pub(super) fn survey(&self) -> &'a Survey {
         self.survey
     }

@@ -159,7 +159,7 @@ pub struct Price {
 /// How the search for the proven best set went.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SearchDocument {
-    /// "optimal", or what ended it before.
+    /// "optimal"; or what ended it before: "node limit", "time limit or interrupt", "singular part".
     pub end: String,
     /// Parts of the search space that were bounded.
     pub nodes: usize,
@@ -249,8 +249,8 @@ impl Plan {
             end: match search.end {
                 SearchEnd::Optimal => "optimal",
                 SearchEnd::NodeLimit => "node limit",
-                SearchEnd::Stopped => "stopped",
-                SearchEnd::Undecided => "undecided",
+                SearchEnd::Stopped => "time limit or interrupt",
+                SearchEnd::Undecided => "singular part",
             }
             .into(),
             nodes: search.nodes,

@@ -2,6 +2,7 @@
 
 mod allowed;
 mod candidates;
+mod certify;
 mod choice;
 mod comparison;
 mod document;
@@ -19,6 +20,7 @@ mod verify;
 
 pub use allowed::ConstraintError;
 pub use candidates::{candidates_csv, candidates_parquet};
+pub use certify::{CertifyError, Confirmed, certify};
 pub use choice::{Choice, Chooser, PlanError};
 pub use comparison::{Comparison, Equivalent, Row, compare, equivalent_kmeans};
 pub use document::{

@@ -2,8 +2,9 @@
 
 use std::borrow::Cow;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
+use super::certify::Checked;
 use super::survey::{Survey, SurveyError};
 use crate::information::packed::{pack, packed_len, unpack};
 use crate::information::{Criterion, DiversityModel, InformationSet, Measurement, ZHANG_DIRECTIONS, pixel_units};
@@ -92,8 +93,7 @@ impl<'a> Objective<'a> {
         accuracies: &[(Accuracy, f64)],
         prior: &DMatrix<f64>,
     ) -> Self {
-        let weights: Vec<DMatrix<f64>> =
-            accuracies.iter().map(|&(accuracy, wished)| accuracy.weight(survey) / (wished * wished)).collect();
+        let weights = accuracy_weights(survey, accuracies);
         let term = ObjectiveTerm {
             criterion: None,
             share: 1.0,
@@ -171,6 +171,29 @@ impl<'a> Objective<'a> {
         self.terms.iter().map(|term| (term.criterion, term.share, term.parameters.len()))
     }
 
+    /// The terms by their definitions, for [`certify`](super::certify).
+    pub(super) fn terms(&self, problem: &Problem, survey: &Survey) -> Vec<Checked<'_>> {
+        let weights = |criterion| match criterion {
+            Some(Criterion::A) => vec![pixel_weight(problem)],
+            Some(Criterion::V) => vec![survey.map_weight.clone()],
+            Some(_) => vec![],
+            None => accuracy_weights(survey, &problem.selection.accuracies),
+        };
+        self.terms
+            .iter()
+            .map(|term| {
+                let p = term.candidates.order();
+                Checked {
+                    criterion: term.criterion,
+                    share: term.share,
+                    candidates: &term.candidates,
+                    prior: term.prior.clone().unwrap_or_else(|| DMatrix::zeros(p, p)),
+                    weights: weights(term.criterion),
+                }
+            })
+            .collect()
+    }
+
     /// log Φ in the unit of a lone criterion: log det for `d` and `diversity`, a variance in px² for `a` and `v`, an
     /// eigenvalue for `e` and `zhang`; of several criteria, Φ itself.
     pub(super) fn natural(&self, log_value: f64) -> f64 {
@@ -203,7 +226,6 @@ impl<'a> ObjectiveTerm<'a> {
         prior: &DMatrix<f64>,
     ) -> Result<Self, SurveyError> {
         let names = owned(&problem.estimated_names());
-        let units = || pixel_units(&problem.camera, &problem.estimated);
         let borrowed = Cow::Borrowed(&survey.information);
         let poses = || survey.views.iter().map(|view| view.X_CT).collect::<Vec<_>>();
         let term = |candidates, prior, function, parameters, source| Self {
@@ -223,12 +245,11 @@ impl<'a> ObjectiveTerm<'a> {
                 term(borrowed, Some(prior.clone()), function, names, intrinsics)
             }
             Criterion::A => {
-                let weight =
-                    DMatrix::from_diagonal(&units().into()).map(|unit| if unit > 0.0 { unit.powi(-2) } else { 0.0 });
-                term(borrowed, Some(prior.clone()), InformationFunction::variance(&weight), names, intrinsics)
+                let function = InformationFunction::variance(&pixel_weight(problem));
+                term(borrowed, Some(prior.clone()), function, names, intrinsics)
             }
             Criterion::E => {
-                let units = units();
+                let units = pixel_units(&problem.camera, &problem.estimated);
                 let D = DMatrix::from_diagonal(&units.clone().into());
                 let candidates = Cow::Owned(survey.information.scaled(&units));
                 let prior = &D * prior * &D;
@@ -259,6 +280,17 @@ impl<'a> ObjectiveTerm<'a> {
             }
         })
     }
+}
+
+/// The weight of `a`: of the variances in the units that each move the image by 1 px.
+fn pixel_weight(problem: &Problem) -> DMatrix<f64> {
+    let units = pixel_units(&problem.camera, &problem.estimated);
+    DMatrix::from_diagonal(&DVector::from_vec(units).map(|unit| unit.powi(-2)))
+}
+
+/// The weights of the accuracies' variances, each as a share of the variance wished for.
+fn accuracy_weights(survey: &Survey, accuracies: &[(Accuracy, f64)]) -> Vec<DMatrix<f64>> {
+    accuracies.iter().map(|&(accuracy, wished)| accuracy.weight(survey) / (wished * wished)).collect()
 }
 
 fn owned(names: &[&str]) -> Vec<String> {

@@ -11,14 +11,18 @@ const RIDGE: f64 = 1e-4;
 /// Softness of functions with kinks, whose own gain is zero wherever two views are needed to raise the least value.
 const SOFTNESS: f64 = 0.5;
 
+/// Growth of the scores' bounds since they were scored, above which they are scored anew.
+const MOST_GROWTH: f64 = 2.0;
+
 /// Candidates evaluated first in each step, so that the bound can spare the rest.
 const PROBES: usize = 64;
 
 /// Picks `instance.count()` candidates, first the required ones, then each the one that raises log Φ most; ties go to the
 /// lower index.
 ///
-/// Each step scores all candidates by the gradient Y and evaluates only those whose bound `log(1 + ⟨Y, M_i⟩)` reaches the
-/// best gain found.
+/// With the gradient Y at hand, adding candidate i gains at most `log(1 + s_i)`, `s_i = ⟨Y, M_i⟩`. Scores are not computed
+/// anew in every step either: if `Y ⪯ c·Y'` then `s_i ≤ c·s'_i`, so a score of an earlier step bounds that of this one, and
+/// only candidates whose bound reaches the best gain found are scored and evaluated. The picks are those of a full search.
 ///
 /// # Errors
 /// When the picks leave a combination of the parameters undetermined, or the constraints allow no further pick.
@@ -26,14 +30,13 @@ pub fn greedy(instance: &Instance) -> Result<Vec<usize>, SelectionError> {
     let softened = instance.softened(SOFTNESS);
     let mut total = softened.with_mean(RIDGE * instance.count() as f64);
     let mut selected = Vec::with_capacity(instance.count());
-    let mut open: Vec<bool> = (0..instance.len()).map(|i| instance.is_open(i)).collect();
     for &i in instance.required() {
         instance.add_to(&mut total, i, 1.0);
         selected.push(i);
     }
+    let mut scoreboard = Scoreboard::new(&softened);
     while selected.len() < instance.count() {
-        let i = best_addition(&softened, &total, &selected, &open)?;
-        open[i] = false;
+        let i = scoreboard.best_addition(&total, &selected)?;
         instance.add_to(&mut total, i, 1.0);
         selected.push(i);
     }
@@ -43,50 +46,136 @@ pub fn greedy(instance: &Instance) -> Result<Vec<usize>, SelectionError> {
     Ok(selected)
 }
 
-/// The open candidate, allowed beside `selected`, that raises log Φ of `total` most.
-fn best_addition(
-    instance: &Instance,
-    total: &[f64],
-    selected: &[usize],
-    open: &[bool],
-) -> Result<usize, SelectionError> {
-    let Some(gradient) = instance.gradient(total) else {
-        return Err(instance.least_known(total, selected.len()));
-    };
-    let before = instance.log_value(total);
-    let scores = instance.scores(&gradient.y);
-    let rules = instance.rules();
-    let eligible = |i: usize| open[i] && (rules.is_free() || rules.allows(selected, None, i));
-    let value_with = |work: &mut Vec<f64>, i: usize| {
-        work.clear();
-        work.extend_from_slice(total);
-        instance.add_to(work, i, 1.0);
-        instance.log_value_in_place(work)
-    };
-    let better = |a: (f64, usize), b: (f64, usize)| if b.0 > a.0 || (b.0 == a.0 && b.1 < a.1) { b } else { a };
-    let probes = highest(&scores, eligible, PROBES).into_iter().map(|i| (value_with(&mut Vec::new(), i), i));
-    let probed = probes.fold((f64::NEG_INFINITY, usize::MAX), better);
-    let least_score = (probed.0 - before - 1e-12).exp_m1();
-    let best = (0..scores.len())
-        .into_par_iter()
-        .with_min_len(1024)
-        .filter(|&i| scores[i] >= least_score && eligible(i))
-        .map_init(Vec::new, |work, i| (value_with(work, i), i))
-        .reduce(|| probed, better);
-    match best.1 {
-        usize::MAX if (0..scores.len()).any(eligible) => Err(instance.least_known(total, selected.len())),
-        usize::MAX => Err(SelectionError::DeadEnd { selected: selected.len(), count: instance.count() }),
-        i => Ok(i),
+/// Upper bounds of all candidates' scores, from step to step.
+struct Scoreboard<'a> {
+    instance: &'a Instance<'a>,
+    /// The gradient of the last step.
+    y: Option<Vec<f64>>,
+    /// Bounds, to be multiplied by `factor`; −∞ once a candidate is out of question.
+    bounds: Vec<f64>,
+    factor: f64,
+}
+
+impl<'a> Scoreboard<'a> {
+    fn new(instance: &'a Instance<'a>) -> Self {
+        Self { instance, y: None, bounds: vec![], factor: 1.0 }
+    }
+
+    /// Brings the bounds to the gradient `y`: from the last step's if that bounds it, or anew.
+    fn bring_to(&mut self, y: Vec<f64>) {
+        let growth = self.y.as_ref().map_or(f64::INFINITY, |before| self.instance.growth(before, &y));
+        if growth * self.factor <= MOST_GROWTH {
+            self.factor *= growth;
+        } else {
+            self.rescore(&y);
+        }
+        self.y = Some(y);
+    }
+
+    fn rescore(&mut self, y: &[f64]) {
+        let out = std::mem::replace(&mut self.bounds, self.instance.scores(y));
+        let is_out = |i: usize| out.get(i).map_or(!self.instance.is_open(i), |&bound| bound == f64::NEG_INFINITY);
+        for i in (0..self.bounds.len()).filter(|&i| is_out(i)) {
+            self.bounds[i] = f64::NEG_INFINITY;
+        }
+        self.factor = 1.0;
+    }
+
+    /// The open candidate, allowed beside `selected`, that raises log Φ of `total` most.
+    fn best_addition(&mut self, total: &[f64], selected: &[usize]) -> Result<usize, SelectionError> {
+        let instance = self.instance;
+        let Some(gradient) = instance.gradient(total) else {
+            return Err(instance.least_known(total, selected.len()));
+        };
+        let before = instance.log_value(total);
+        self.bring_to(gradient.y.clone());
+        let rules = instance.rules();
+        let allowed = |i: usize| rules.is_free() || rules.allows(selected, None, i);
+        let value_with = |work: &mut Vec<f64>, i: usize| {
+            work.clear();
+            work.extend_from_slice(total);
+            instance.add_to(work, i, 1.0);
+            instance.log_value_in_place(work)
+        };
+        let better = |a: (f64, usize), b: (f64, usize)| if b.0 > a.0 || (b.0 == a.0 && b.1 < a.1) { b } else { a };
+        let probes = highest(&self.bounds, |i| self.bounds[i] > f64::NEG_INFINITY && allowed(i), PROBES);
+        let probed = probes.into_iter().map(|i| (value_with(&mut Vec::new(), i), i));
+        let probed = probed.fold((f64::NEG_INFINITY, usize::MAX), better);
+        let least_score = (probed.0 - before - 1e-12).exp_m1();
+        // Bounds that reach the best gain are replaced by scores; all of them at once where they are many.
+        let mut reaching = self.reaching(least_score);
+        if reaching.len() > self.bounds.len() / 8 && self.factor != 1.0 {
+            self.rescore(&gradient.y);
+            reaching = self.reaching(least_score);
+        } else {
+            for (&i, score) in reaching.iter().zip(instance.scores_of(&gradient.y, &reaching)) {
+                self.bounds[i] = score / self.factor;
+            }
+        }
+        let best = reaching
+            .into_par_iter()
+            .with_min_len(256)
+            .filter(|&i| self.bounds[i] * self.factor >= least_score && allowed(i))
+            .map_init(Vec::new, |work, i| (value_with(work, i), i))
+            .reduce(|| probed, better);
+        match best.1 {
+            usize::MAX if (0..self.bounds.len()).any(|i| self.bounds[i] > f64::NEG_INFINITY && allowed(i)) => {
+                Err(instance.least_known(total, selected.len()))
+            }
+            usize::MAX => Err(SelectionError::DeadEnd { selected: selected.len(), count: instance.count() }),
+            i => {
+                self.bounds[i] = f64::NEG_INFINITY;
+                Ok(i)
+            }
+        }
+    }
+
+    fn reaching(&self, least_score: f64) -> Vec<usize> {
+        let least = least_score / self.factor * (1.0 - 1e-12);
+        (0..self.bounds.len()).filter(|&i| self.bounds[i] > f64::NEG_INFINITY && self.bounds[i] >= least).collect()
     }
 }
 
 /// The eligible candidates with the `most` highest scores, in no particular order.
 pub(super) fn highest(scores: &[f64], eligible: impl Fn(usize) -> bool, most: usize) -> Vec<usize> {
-    let mut candidates: Vec<usize> = (0..scores.len()).filter(|&i| eligible(i)).collect();
-    if candidates.len() > most {
-        let by_score = |&a: &usize, &b: &usize| scores[b].total_cmp(&scores[a]).then(a.cmp(&b));
-        candidates.select_nth_unstable_by(most, by_score);
-        candidates.truncate(most);
+    let by_score = |&a: &usize, &b: &usize| scores[b].total_cmp(&scores[a]).then(a.cmp(&b));
+    // A buffer of the best so far, cut back whenever it has doubled: few candidates get past its least score.
+    let mut best: Vec<usize> = Vec::with_capacity(2 * most);
+    let mut least = f64::NEG_INFINITY;
+    for i in 0..scores.len() {
+        if scores[i] >= least && eligible(i) {
+            best.push(i);
+            if best.len() == 2 * most {
+                best.select_nth_unstable_by(most - 1, by_score);
+                best.truncate(most);
+                least = scores[best[most - 1]];
+            }
+        }
     }
-    candidates
+    if best.len() > most {
+        best.select_nth_unstable_by(most - 1, by_score);
+        best.truncate(most);
+    }
+    best
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::highest;
+
+    proptest! {
+        #[test]
+        fn the_highest_are_the_first_of_a_sort(scores in prop::collection::vec(-3i32..3, 0..60), most in 1usize..9) {
+            let scores: Vec<f64> = scores.into_iter().map(f64::from).collect();
+            let mut sorted: Vec<usize> = (0..scores.len()).filter(|i| i % 3 != 1).collect();
+            sorted.sort_by(|&a, &b| scores[b].total_cmp(&scores[a]).then(a.cmp(&b)));
+            sorted.truncate(most);
+            sorted.sort_unstable();
+            let mut found = highest(&scores, |i| i % 3 != 1, most);
+            found.sort_unstable();
+            prop_assert_eq!(found, sorted);
+        }
+    }
 }

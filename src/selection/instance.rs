@@ -6,10 +6,10 @@ use std::sync::Arc;
 use nalgebra::DMatrix;
 use thiserror::Error;
 
-use super::constraints::{Constraints, Rules};
+use super::constraints::{Cap, Constraints, Rules};
 use super::curvature::Curvature;
 use super::function::{Gradient, InformationFunction};
-use crate::information::packed::{dual, packed_len, unpack};
+use crate::information::packed::{cholesky, dual, packed_len, unpack, whiten};
 use crate::information::{InformationError, InformationSet};
 
 /// Choose `count` of the candidates so that Φ of their total information is greatest.
@@ -278,6 +278,11 @@ impl<'a> Instance<'a> {
         self.rules.is_open(i)
     }
 
+    /// The caps given, then the cells of the separations, as a certificate's prices number them.
+    pub fn caps(&self) -> &[Cap] {
+        &self.rules.caps
+    }
+
     pub(super) fn rules(&self) -> &Rules {
         &self.rules
     }
@@ -381,6 +386,21 @@ impl<'a> Instance<'a> {
         blocks.flat_map(move |block| {
             block.candidates.packed(i).iter().zip(&dual[block.place.clone()]).map(|(m, y)| m * y)
         })
+    }
+
+    /// The least c with `Y ⪯ c·Y'`, Y' being `before`, a little rounded up; infinite if Y' is singular.
+    pub(super) fn growth(&self, before: &[f64], y: &[f64]) -> f64 {
+        let growth = |block: &Block| {
+            let p = block.order();
+            let mut l = before[block.place.clone()].to_vec();
+            if !cholesky(&mut l, p) {
+                return f64::INFINITY;
+            }
+            let mut relative = y[block.place.clone()].to_vec();
+            whiten(&l, p, &mut relative);
+            unpack(&relative, p).symmetric_eigenvalues().max() * (1.0 + 1e-9)
+        };
+        self.blocks.iter().map(growth).fold(0.0, f64::max)
     }
 
     /// M₀ of the terms.

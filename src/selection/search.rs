@@ -199,7 +199,8 @@ fn root(instance: &Instance, start: &Best, threshold: f64) -> Node {
         }
     }
     let free = instance.count() - instance.required().len();
-    let weights = filled(weights, free as f64);
+    let scores: Vec<f64> = open.iter().map(|&i| reduced[i]).collect();
+    let weights = filled(weights, &scores, free as f64);
     Node { included: instance.required().to_vec(), open, weights, log_bound: certificate.log_bound, number: 0 }
 }
 
@@ -242,17 +243,24 @@ fn work(ladder: &Ladder, node: Node, threshold: f64) -> Outcome {
         let before = open.len();
         included.extend(fixed.included);
         open = fixed.open;
-        weights = filled(fixed.weights, (instance.count() - included.len()) as f64);
+        weights = filled(fixed.weights, &fixed.scores, (instance.count() - included.len()) as f64);
         if changed || open.len() * 10 < before * 9 {
             continue;
         }
-        outcome.children = branch(instance, included, &open, &weights, log_bound);
+        outcome.children = branch(instance, included, &open, &weights, &fixed.scores, log_bound);
         return outcome;
     }
 }
 
 /// Two children: with and without the candidate that is least decided.
-fn branch(instance: &Instance, included: Vec<usize>, open: &[usize], weights: &[f64], log_bound: f64) -> Vec<Node> {
+fn branch(
+    instance: &Instance,
+    included: Vec<usize>,
+    open: &[usize],
+    weights: &[f64],
+    scores: &[f64],
+    log_bound: f64,
+) -> Vec<Node> {
     let undecided = |c: usize| (weights[c] - 0.5).abs();
     let Some(place) = (0..open.len()).min_by(|&a, &b| undecided(a).total_cmp(&undecided(b)).then(a.cmp(&b))) else {
         return vec![];
@@ -262,7 +270,8 @@ fn branch(instance: &Instance, included: Vec<usize>, open: &[usize], weights: &[
     with.push(open[place]);
     let node = |included: Vec<usize>, kept: &dyn Fn(usize) -> bool, left: f64| {
         let places: Vec<usize> = (0..open.len()).filter(|&c| c != place && kept(open[c])).collect();
-        let weights = filled(places.iter().map(|&c| weights[c]).collect(), left);
+        let scores: Vec<f64> = places.iter().map(|&c| scores[c]).collect();
+        let weights = filled(places.iter().map(|&c| weights[c]).collect(), &scores, left);
         Node { included, open: places.iter().map(|&c| open[c]).collect(), weights, log_bound, number: 0 }
     };
     let rules = instance.rules();
@@ -275,6 +284,7 @@ struct Fixed {
     included: Vec<usize>,
     open: Vec<usize>,
     weights: Vec<f64>,
+    scores: Vec<f64>,
 }
 
 /// With the scores of the node's bound and ν between the last of the greatest and the first of the others, forcing a
@@ -299,13 +309,14 @@ fn fix(
     let S = (relaxed.log_bound + relaxed.log_polar).exp();
     // The least S that does not fall to the threshold.
     let needed = (threshold + relaxed.log_polar).exp();
-    let mut fixed = Fixed { included: vec![], open: vec![], weights: vec![] };
+    let mut fixed = Fixed { included: vec![], open: vec![], weights: vec![], scores: vec![] };
     for (c, &i) in open.iter().enumerate() {
         if is_top[c] && S - (scores[c] - first) <= needed {
             fixed.included.push(i);
         } else if is_top[c] || S - (last - scores[c]) > needed {
             fixed.open.push(i);
             fixed.weights.push(relaxed.weights[c]);
+            fixed.scores.push(scores[c]);
         }
     }
     let rules = instance.rules();
@@ -317,8 +328,14 @@ fn fix(
             }
             now.push(i);
         }
-        let places = (0..fixed.open.len()).filter(|&c| rules.allows(&now, None, fixed.open[c]));
-        (fixed.open, fixed.weights) = places.map(|c| (fixed.open[c], fixed.weights[c])).unzip();
+        let Fixed { included, open, weights, scores } = fixed;
+        let places: Vec<usize> = (0..open.len()).filter(|&c| rules.allows(&now, None, open[c])).collect();
+        fixed = Fixed {
+            included,
+            open: places.iter().map(|&c| open[c]).collect(),
+            weights: places.iter().map(|&c| weights[c]).collect(),
+            scores: places.iter().map(|&c| scores[c]).collect(),
+        };
     }
     Some(fixed)
 }
@@ -357,19 +374,23 @@ fn rounded(
     Some((value, selected))
 }
 
-/// Weights moved so that they add up to `sum`: scaled down, or the positive ones up and then the others.
-fn filled(mut weights: Vec<f64>, sum: f64) -> Vec<f64> {
+/// Weights moved so that they add up to `sum`: scaled down, or the positive ones up and then a few of the others, the best
+/// scores first, so that few are fractional.
+fn filled(mut weights: Vec<f64>, scores: &[f64], sum: f64) -> Vec<f64> {
     let now: f64 = weights.iter().sum();
     if now > sum {
         return weights.iter().map(|weight| weight * sum / now).collect();
     }
     let mut missing = sum - now;
-    for positive in [true, false] {
-        let room: f64 = weights.iter().filter(|&&weight| (weight > 0.0) == positive).map(|weight| 1.0 - weight).sum();
+    let (positive, mut others): (Vec<usize>, Vec<usize>) = (0..weights.len()).partition(|&c| weights[c] > 0.0);
+    others.sort_unstable_by(|&a, &b| scores[b].total_cmp(&scores[a]).then(a.cmp(&b)));
+    others.truncate(2 * missing.ceil() as usize);
+    for group in [positive, others] {
+        let room: f64 = group.iter().map(|&c| 1.0 - weights[c]).sum();
         if room > 0.0 && missing > 0.0 {
             let share = (missing / room).min(1.0);
-            for weight in weights.iter_mut().filter(|weight| (**weight > 0.0) == positive) {
-                *weight += share * (1.0 - *weight);
+            for &c in &group {
+                weights[c] += share * (1.0 - weights[c]);
             }
             missing -= share * room;
         }

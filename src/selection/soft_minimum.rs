@@ -27,18 +27,31 @@ impl SoftMinimum {
     pub(super) fn new(numbers: &[f64], softness: f64) -> Self {
         let least = numbers.iter().copied().fold(f64::INFINITY, f64::min);
         let each = softness / numbers.len() as f64;
-        // In s = min x − t the stationarity (1−ε)/t = Σ (ε/m)/(xᵢ−t) rises from −∞ to ∞; these ends enclose its root.
-        let slope =
-            |s: f64| (1.0 - softness) / (least - s) - numbers.iter().map(|x| each / (x - least + s)).sum::<f64>();
+        // In s = min x − t the stationarity (1−ε)/t = Σ (ε/m)/(xᵢ−t) rises from −∞ to ∞; these ends enclose its root, which
+        // Newton's method finds, or halving where it would leave the interval.
         let (mut low, mut high) = (least * each / (1.0 - softness + each), least * softness);
+        let mut s = 0.5 * (low + high);
         for _ in 0..100 {
-            let middle = 0.5 * (low + high);
-            if middle <= low || middle >= high {
+            let t = least - s;
+            let (mut value, mut slope) = ((1.0 - softness) / t, (1.0 - softness) / (t * t));
+            for x in numbers {
+                let term = each / (x - least + s);
+                value -= term;
+                slope += term / (x - least + s);
+            }
+            if value < 0.0 {
+                low = s;
+            } else {
+                high = s;
+            }
+            let newton = s - value / slope;
+            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            let done = (next - s).abs() <= 2.0 * f64::EPSILON * s;
+            s = next;
+            if done {
                 break;
             }
-            if slope(middle) < 0.0 { low = middle } else { high = middle }
         }
-        let s = 0.5 * (low + high);
         let t = least - s;
         let gaps: Vec<f64> = numbers.iter().map(|x| x - least + s).collect();
         let log_value = (1.0 - softness) * t.ln() + each * gaps.iter().map(|gap| gap.ln()).sum::<f64>();

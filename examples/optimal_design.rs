@@ -1,0 +1,135 @@
+//! Selection without robots and cameras: random instances of the optimal-design literature, solved and certified.
+//!
+//! ```text
+//! cargo run --release --example optimal_design            # the table of docs/src/validation.md
+//! cargo run --release --example optimal_design -- 1000000 # one instance of so many candidates, timed
+//! ```
+#![allow(non_snake_case, clippy::print_stdout, clippy::expect_used, reason = "an example that prints")]
+
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+use calipose::information::InformationSet;
+use calipose::information::packed::{cholesky, packed_len, whiten};
+use calipose::selection::{
+    InformationFunction, Instance, RelaxationSettings, SearchEnd, best, exchange, greedy, relax, search,
+};
+use nalgebra::DMatrix;
+use rand::{Rng, SeedableRng};
+use rand_distr::StandardNormal;
+use rand_xoshiro::Xoshiro256Plus;
+
+/// Order of the matrices.
+const P: usize = 9;
+
+/// Time that a search for the proven best set may take.
+const PATIENCE: Duration = Duration::from_mins(1);
+
+/// How a candidate's matrix is drawn.
+#[derive(Debug, Clone, Copy)]
+enum Kind {
+    /// `JᵀJ`, J (6×p) standard normal, columns two decades of units apart and of a size drawn for each candidate.
+    Hetero,
+    /// The same without the size.
+    Wishart,
+    /// `g gᵀ`, g standard normal.
+    RankOne,
+}
+
+/// n candidates, whitened by the inverse root of k of their mean: numbers of order one.
+fn instance(kind: Kind, n: usize, k: usize) -> InformationSet {
+    let mut rng = Xoshiro256Plus::seed_from_u64(9);
+    let mut normal = || -> f64 { rng.sample(StandardNormal) };
+    let rows = if matches!(kind, Kind::RankOne) { 1 } else { 6 };
+    let q = packed_len(P);
+    let mut table = Vec::with_capacity(n * q);
+    let mut J = DMatrix::zeros(rows, P);
+    for _ in 0..n {
+        for j in 0..P {
+            let size = if matches!(kind, Kind::Hetero) { (0.5 * normal()).exp() } else { 1.0 };
+            let unit = if rows == 1 { 1.0 } else { 10f64.powf(-1.0 + 2.0 * j as f64 / (P - 1) as f64) };
+            for r in 0..rows {
+                J[(r, j)] = normal() * size * unit;
+            }
+        }
+        for i in 0..P {
+            table.extend((0..=i).map(|j| J.column(i).dot(&J.column(j))));
+        }
+    }
+    let mut mean = vec![0.0; q];
+    for row in table.chunks_exact(q) {
+        for (sum, entry) in mean.iter_mut().zip(row) {
+            *sum += entry * k as f64 / n as f64;
+        }
+    }
+    assert!(cholesky(&mut mean, P), "the candidates determine every parameter");
+    for row in table.chunks_exact_mut(q) {
+        whiten(&mean, P, row);
+    }
+    InformationSet::from_packed(P, table).expect("JᵀJ is semidefinite")
+}
+
+fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
+    let start = Instant::now();
+    let done = work();
+    (done, start.elapsed().as_secs_f64())
+}
+
+fn solve(kind: Kind, criterion: &str, function: &InformationFunction, n: usize, k: usize) {
+    let candidates = instance(kind, n, k);
+    let instance = Instance::new(&candidates, None, function, k).expect("a regular instance");
+    let settings = RelaxationSettings::default();
+    let (start, best_time) = timed(|| best(&instance, &settings, 0).expect("regular sets"));
+    let began = Instant::now();
+    let found = search(&instance, &start, f64::NEG_INFINITY, usize::MAX, &mut |_| {
+        if began.elapsed() > PATIENCE { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    let before = start.relaxation.certificate.efficiency(start.log_value);
+    let after = (found.log_value - found.log_bound).exp();
+    let end = if found.end == SearchEnd::Optimal { "proven optimal" } else { "gap left" };
+    println!(
+        "| {kind:?} | {criterion} | {n} | {k} | {before:.4} | {best_time:.2} | {end}, {after:.4} | {:.2} | {} |",
+        began.elapsed().as_secs_f64(),
+        found.nodes
+    );
+}
+
+/// Times greedy and the relaxation alone.
+fn time(n: usize) {
+    let candidates = instance(Kind::Hetero, n, 20);
+    let (instance, checked) =
+        timed(|| Instance::new(&candidates, None, &InformationFunction::Determinant, 20).expect("a regular instance"));
+    let (picked, greedy_time) = timed(|| greedy(&instance).expect("regular sets"));
+    let (swapped, exchange_time) = timed(|| exchange(&instance, picked.clone()));
+    let settings = RelaxationSettings { tolerance: 1e-6, ..RelaxationSettings::default() };
+    let (relaxed, relaxed_time) = timed(|| relax(&instance, &picked, &settings).expect("regular start"));
+    let value = instance.log_value(&instance.total(&swapped));
+    println!(
+        "n = {n}, p = {P}, k = 20, d: check {checked:.3} s, greedy {greedy_time:.3} s, exchange {exchange_time:.3} s, relaxation \
+         {relaxed_time:.3} s, gap {:.1e} in {} rounds, certified efficiency {:.4}",
+        relaxed.certificate.log_bound - relaxed.log_value,
+        relaxed.rounds,
+        relaxed.certificate.efficiency(value),
+    );
+}
+
+fn main() {
+    if let Some(n) = std::env::args().nth(1) {
+        return time(n.parse().expect("a number of candidates"));
+    }
+    let identity = DMatrix::identity(P, P);
+    let functions = [
+        ("d", InformationFunction::Determinant),
+        ("a", InformationFunction::variance(&identity)),
+        ("e", InformationFunction::min_eigenvalue()),
+    ];
+    println!("| instance | criterion | n | k | efficiency of `best` | s | after the search | s | nodes |");
+    println!("|---|---|---|---|---|---|---|---|---|");
+    for kind in [Kind::Hetero, Kind::Wishart, Kind::RankOne] {
+        for (criterion, function) in &functions {
+            for k in [10, 20, 50] {
+                solve(kind, criterion, function, 4525, k);
+            }
+        }
+    }
+}

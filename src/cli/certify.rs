@@ -1,0 +1,65 @@
+//! `calipose certify`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::json;
+
+use super::failure::Failure;
+use super::planned::Planned;
+use super::screen::{Screen, grouped, short};
+use crate::plan::{certify, survey};
+
+#[derive(Debug, Args)]
+pub(super) struct CertifyArguments {
+    /// Plan, as `calipose plan` wrote it
+    plan: PathBuf,
+    /// Problem file [default: the one that run.json beside the plan names]
+    #[arg(long)]
+    problem: Option<PathBuf>,
+}
+
+pub(super) fn run(arguments: &CertifyArguments, screen: &mut Screen) -> Result<(), Failure> {
+    let Planned { plan, problem } = Planned::read(&arguments.plan, arguments.problem.as_deref())?;
+    let bar = screen.progress("sweeping", problem.space.len());
+    let surveyed = survey(&problem, &|swept| bar.inc(swept as u64));
+    bar.finish_and_clear();
+    let confirmed = certify(&plan, &problem, &surveyed?)
+        .map_err(|error| Failure::Certify { path: arguments.plan.clone(), error: Box::new(error) })?;
+    screen.document(
+        &json!({
+            "format": "calipose.certified",
+            "version": 1,
+            "problem": { "name": plan.problem.name, "sha256": plan.problem.sha256 },
+            "criterion": plan.criterion,
+            "count": plan.count,
+            "candidates": confirmed.candidates,
+            "value": confirmed.value,
+            "bound": confirmed.bound,
+            "efficiency": confirmed.efficiency,
+            "least_count": confirmed.least,
+        })
+        .to_string(),
+    )?;
+    let mut text = format!(
+        "{}: the certificate holds. Criterion `{}`, {} poses: value {}, bound {} over all {} candidates, certified efficiency \
+         {:.4}.\nPoses, value, predicted accuracy and bound were recomputed from the problem file and the plan's matrix.",
+        plan.problem.name,
+        plan.criterion,
+        plan.count,
+        short(confirmed.value),
+        short(confirmed.bound),
+        grouped(confirmed.candidates),
+        confirmed.efficiency,
+    );
+    if let Some(fewest) = &plan.fewest {
+        text += &match confirmed.least {
+            Some(least) => format!("\n{} poses are proven not to reach the accuracy.", least - 1),
+            None => format!("\nThat {} poses do not reach the accuracy was found by search.", fewest.least - 1),
+        };
+    }
+    if plan.search.is_some() {
+        text += "\nThe plan claims more than its matrix: a bound found by search, which `calipose plan` repeats.";
+    }
+    screen.text(&text)
+}
