@@ -6,10 +6,12 @@
 mod calibrate;
 mod certify;
 mod compare;
+mod explain;
 mod failure;
 mod next;
 mod plan;
 mod planned;
+mod polish;
 mod problem;
 mod reach;
 mod screen;
@@ -62,6 +64,10 @@ enum Command {
     Compare(compare::CompareArguments),
     /// Calibrate a camera from detected corners
     Calibrate(calibrate::CalibrateArguments),
+    /// Explain a plan: what more poses would bring, what each pose pins down, what could take its place
+    Explain(explain::ExplainArguments),
+    /// Move a plan's poses off the grid, to better joint values nearby
+    Polish(polish::PolishArguments),
     /// Count the candidates, at one or several steps
     Sweep(sweep::SweepArguments),
     /// Simulate the calibration that a plan leads to and hold it against the prediction
@@ -169,6 +175,8 @@ fn run(command: &Command, screen: &mut Screen) -> Result<(), Failure> {
         Command::Plan(arguments) => plan::run(arguments, screen),
         Command::Compare(arguments) => compare::run(arguments, screen),
         Command::Calibrate(arguments) => calibrate::run(arguments, screen),
+        Command::Explain(arguments) => explain::run(arguments, screen),
+        Command::Polish(arguments) => polish::run(arguments, screen),
         Command::Sweep(arguments) => sweep::run(arguments, screen),
         Command::Verify(arguments) => verify::run(arguments, screen),
         Command::Certify(arguments) => certify::run(arguments, screen),

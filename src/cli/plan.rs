@@ -42,8 +42,9 @@ pub(super) struct PlanArguments {
 /// Seeds of the k-means runs that the summary sets beside the plan.
 const BASELINE_SEEDS: usize = 5;
 
-/// Files of a plan that not every run writes; those of an earlier plan must not stay beside a new one.
-const OPTIONAL_FILES: [&str; 3] = ["verification.json", "candidates.csv", "candidates.parquet"];
+/// Files beside a plan that not every run writes; those of an earlier plan must not stay beside a new one.
+const OPTIONAL_FILES: [&str; 5] =
+    ["verification.json", "candidates.csv", "candidates.parquet", "polished.json", "polished.csv"];
 
 pub(super) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<(), Failure> {
     let start = Instant::now();

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use super::failure::Failure;
-use crate::plan::Plan;
+use super::screen::Screen;
+use crate::plan::{Chooser, Plan, RecallError, Survey, survey};
 use crate::problem::Problem;
 
 /// A plan and its problem.
@@ -53,6 +54,22 @@ impl Planned {
             return Err(refused("it was made for another robot: its poses are elsewhere now; make a new plan".into()));
         }
         Ok(Self { plan, problem })
+    }
+
+    /// Surveys the problem anew.
+    pub(super) fn survey(&self, screen: &Screen) -> Result<Survey, Failure> {
+        let bar = screen.progress("sweeping", self.problem.space.len());
+        let surveyed = survey(&self.problem, &|swept| bar.inc(swept as u64));
+        bar.finish_and_clear();
+        Ok(surveyed?)
+    }
+
+    /// The chooser that made the plan read from `path`, and the plan's poses among the survey's views.
+    pub(super) fn recall<'a>(&'a self, path: &Path, survey: &'a Survey) -> Result<(Chooser<'a>, Vec<usize>), Failure> {
+        self.plan.recall(&self.problem, survey).map_err(|error| match error {
+            RecallError::Plan(error) => error.into(),
+            refused => Failure::PlanFile { path: path.to_owned(), reason: refused.to_string() },
+        })
     }
 }
 

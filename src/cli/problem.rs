@@ -8,7 +8,7 @@ use super::WRITING;
 use super::failure::Failure;
 use super::plan::what_views_do;
 use super::screen::{Screen, grouped, short};
-use crate::feasibility::{Checks, LinkPair, LinkPairs, Rejection, View, feasible_views};
+use crate::feasibility::{Checks, LinkPair, LinkPairs, Rejection, feasible_views};
 use crate::plan::write_atomically;
 use crate::problem::{Problem, STARTER, schema_json};
 use crate::robot::PointMass;
@@ -41,11 +41,7 @@ pub(super) fn check(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
     let (mut views, rejected) = feasible_views(&checks, space, &pilot);
     let visible = views.len() + rejected[Rejection::Unstable as usize..].iter().sum::<usize>();
     if problem.axis == AxisRule::Zone {
-        let meets_zone = |view: &View| {
-            let point_T = view.target_point().map(|point| target.X_BT.inverse() * point);
-            point_T.is_some_and(|p| target.zone.case(p.x, p.y) != AxisCase::Outside)
-        };
-        views.retain(meets_zone);
+        views.retain(|view| view.axis_case(target) != AxisCase::Outside);
     }
     let share = views.len() as f64 / pilot.len() as f64;
     let seen = (share * total as f64).round() as usize;

@@ -11,7 +11,7 @@ use crate::camera::Camera;
 use crate::robot::{Limits, Robot};
 use crate::spatial::Pose;
 use crate::sweep::JointSpace;
-use crate::target::{Corners, Target};
+use crate::target::{AxisCase, Corners, Target};
 
 /// A configuration that the robot can take and from which the camera sees the board.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,6 +40,12 @@ impl View {
     /// Distance in m from the camera to the board's centre.
     pub fn distance(&self) -> f64 {
         self.X_CT.translation.vector.norm()
+    }
+
+    /// Where the optical axis meets the target's plane.
+    pub fn axis_case(&self, target: &Target) -> AxisCase {
+        let point_T = self.target_point().map(|point| target.X_BT.inverse() * point);
+        point_T.map_or(AxisCase::Outside, |point| target.zone.case(point.x, point.y))
     }
 
     /// Where the optical axis meets the board's plane, in the base frame; `None` if it runs parallel or away from it.

@@ -2,7 +2,6 @@
 
 use nalgebra::Vector3;
 
-use super::packed::packed_len;
 use super::set::InformationSet;
 use crate::spatial::Pose;
 
@@ -12,33 +11,56 @@ const FEATURES: [&str; 3] = ["tilt x", "tilt y", "distance"];
 /// A feature whose variance is below this does not vary.
 const LEAST_VARIANCE: f64 = 1e-12;
 
-/// `z zᵀ` of each view `X_CT`, packed, and the names of z's entries: the monomials up to degree two of the board's tilts in
-/// the camera and the logarithm of its distance, standardised over all views; ten of them, or fewer where one does not
-/// vary.
+/// The model of a quadratic response surface over the features of the views, standardised over a population of views:
+/// designs that determine it well spread over angles and distances (Box & Draper, *Response Surfaces, Mixtures, and Ridge
+/// Analyses*).
 ///
-/// It is the model of a quadratic response surface; designs that determine it well spread over angles and distances (Box &
-/// Draper, *Response Surfaces, Mixtures, and Ridge Analyses*).
-pub fn diversity_set(poses: &[Pose]) -> (InformationSet, Vec<String>) {
-    let features: Vec<Vector3<f64>> = poses.iter().map(features).collect();
-    let n = features.len().max(1) as f64;
-    let mean = features.iter().sum::<Vector3<f64>>() / n;
-    let variance = features.iter().map(|x| (x - mean).component_mul(&(x - mean))).sum::<Vector3<f64>>() / n;
-    let varying: Vec<usize> = (0..3).filter(|&f| variance[f] > LEAST_VARIANCE).collect();
-    // Of the constant 1 and each feature, every product of two.
-    let factors: Vec<Option<usize>> = std::iter::once(None).chain(varying.iter().copied().map(Some)).collect();
-    let pairs: Vec<[Option<usize>; 2]> =
-        (0..factors.len()).flat_map(|a| (0..=a).map(move |b| (a, b))).map(|(a, b)| [factors[a], factors[b]]).collect();
-    let mut table = Vec::with_capacity(poses.len() * packed_len(pairs.len()));
-    for x in &features {
-        let value = |factor: Option<usize>| factor.map_or(1.0, |f| (x[f] - mean[f]) / variance[f].sqrt());
-        let z: Vec<f64> = pairs.iter().map(|&[a, b]| value(a) * value(b)).collect();
-        table.extend((0..z.len()).flat_map(|i| (0..=i).map(move |j| (i, j))).map(|(i, j)| z[i] * z[j]));
+/// Its vector z of a view holds the monomials up to degree two of the board's tilts in the camera and the logarithm of its
+/// distance; ten of them, or fewer where a feature does not vary.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DiversityModel {
+    mean: Vector3<f64>,
+    deviation: Vector3<f64>,
+    /// Each monomial is a product of two: the constant 1 (`None`) or features.
+    pairs: Vec<[Option<usize>; 2]>,
+}
+
+impl DiversityModel {
+    /// The model standardised over the views `X_CT`.
+    pub fn new(poses: &[Pose]) -> Self {
+        let features: Vec<Vector3<f64>> = poses.iter().map(features).collect();
+        let n = features.len().max(1) as f64;
+        let mean = features.iter().sum::<Vector3<f64>>() / n;
+        let variance = features.iter().map(|x| (x - mean).component_mul(&(x - mean))).sum::<Vector3<f64>>() / n;
+        let varying = (0..3).filter(|&f| variance[f] > LEAST_VARIANCE).map(Some);
+        let factors: Vec<Option<usize>> = std::iter::once(None).chain(varying).collect();
+        let pairs = (0..factors.len()).flat_map(|a| (0..=a).map(move |b| (a, b)));
+        let pairs = pairs.map(|(a, b)| [factors[a], factors[b]]).collect();
+        Self { mean, deviation: variance.map(f64::sqrt), pairs }
     }
-    let name = |pair: &[Option<usize>; 2]| {
-        let factors: Vec<&str> = pair.iter().flatten().map(|&f| FEATURES[f]).collect();
-        if factors.is_empty() { "1".into() } else { factors.join(" * ") }
-    };
-    (InformationSet::from_packed_trusted(pairs.len(), table), pairs.iter().map(name).collect())
+
+    /// Names of z's entries.
+    pub fn monomials(&self) -> Vec<String> {
+        let name = |pair: &[Option<usize>; 2]| {
+            let factors: Vec<&str> = pair.iter().flatten().map(|&f| FEATURES[f]).collect();
+            if factors.is_empty() { "1".into() } else { factors.join(" * ") }
+        };
+        self.pairs.iter().map(name).collect()
+    }
+
+    /// `z zᵀ` of the view `X_CT`, packed.
+    pub fn information(&self, X_CT: &Pose) -> Vec<f64> {
+        let x = features(X_CT);
+        let value = |factor: Option<usize>| factor.map_or(1.0, |f| (x[f] - self.mean[f]) / self.deviation[f]);
+        let z: Vec<f64> = self.pairs.iter().map(|&[a, b]| value(a) * value(b)).collect();
+        (0..z.len()).flat_map(|i| (0..=i).map(move |j| (i, j))).map(|(i, j)| z[i] * z[j]).collect()
+    }
+
+    /// `z zᵀ` of many views, in their order.
+    pub fn information_set(&self, poses: &[Pose]) -> InformationSet {
+        let table = poses.iter().flat_map(|X_CT| self.information(X_CT)).collect();
+        InformationSet::from_packed_trusted(self.pairs.len(), table)
+    }
 }
 
 /// The [`FEATURES`] of a view.
@@ -62,8 +84,10 @@ mod tests {
             let R = UnitQuaternion::from_euler_angles(std::f64::consts::PI + 0.4 * a, 0.4 * b, 0.0);
             Pose::from_parts(Vector3::new(0.0, 0.0, 0.5 + 0.2 * c).into(), R)
         };
-        let (set, names) = diversity_set(&(0..27).map(pose).collect::<Vec<_>>());
-        assert_eq!(names.len(), 10);
+        let poses: Vec<Pose> = (0..27).map(pose).collect();
+        let model = DiversityModel::new(&poses);
+        let set = model.information_set(&poses);
+        assert_eq!(model.monomials().len(), 10);
         let value = |selected: &[usize]| {
             let mut total = set.total(&set.mean(), selected);
             assert!(crate::information::packed::cholesky(&mut total, 10));
@@ -79,8 +103,12 @@ mod tests {
             let R = UnitQuaternion::from_euler_angles(std::f64::consts::PI + 0.1 * i as f64, 0.0, 0.0);
             Pose::from_parts(Vector3::new(0.0, 0.0, 0.5 + 0.03 * (i * i % 7) as f64).into(), R)
         };
-        let (set, names) = diversity_set(&(0..9).map(pose).collect::<Vec<_>>());
-        assert_eq!(set.order(), 6);
-        assert_eq!(names, ["1", "tilt x", "tilt x * tilt x", "distance", "distance * tilt x", "distance * distance"]);
+        let poses: Vec<Pose> = (0..9).map(pose).collect();
+        let model = DiversityModel::new(&poses);
+        assert_eq!(model.information_set(&poses).order(), 6);
+        assert_eq!(
+            model.monomials(),
+            ["1", "tilt x", "tilt x * tilt x", "distance", "distance * tilt x", "distance * distance"]
+        );
     }
 }

@@ -9,7 +9,7 @@ mod view;
 mod zhang;
 
 pub use criterion::Criterion;
-pub use diversity::diversity_set;
+pub use diversity::DiversityModel;
 pub use map::{map_error_at, map_error_weight, pixel_units};
 pub use set::{InformationError, InformationSet};
 pub use view::Measurement;

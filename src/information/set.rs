@@ -91,7 +91,7 @@ impl InformationSet {
     }
 
     /// As [`InformationSet::from_packed`] for a table whose shape and matrices are right by construction.
-    pub(super) fn from_packed_trusted(order: usize, table: Vec<f64>) -> Self {
+    pub(crate) fn from_packed_trusted(order: usize, table: Vec<f64>) -> Self {
         debug_assert!(order > 0 && table.len().is_multiple_of(packed_len(order)));
         Self { order, table }
     }

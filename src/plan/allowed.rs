@@ -7,10 +7,11 @@ use super::survey::Survey;
 use crate::feasibility::View;
 use crate::information::Measurement;
 use crate::information::packed::unpack;
-use crate::problem::{PoseConstraints, Problem};
+use crate::problem::{JointRegion, PoseConstraints, Problem};
 use crate::robot::JointKind;
 use crate::selection::{Cap, Constraints, Separation};
-use crate::target::Corners;
+use crate::sweep::AxisRule;
+use crate::target::{AxisCase, Corners};
 
 /// Why the problem's constraints cannot be held.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -57,31 +58,53 @@ pub(super) fn constraints(problem: &Problem, survey: &Survey) -> Result<Constrai
         }
         indices.push(i);
     }
-    let within = |region: &crate::problem::JointRegion| -> Vec<usize> {
-        (0..views.len()).filter(|&i| region.contains(&views[i].q)).collect()
-    };
+    let within =
+        |region: &JointRegion| -> Vec<usize> { (0..views.len()).filter(|&i| region.contains(&views[i].q)).collect() };
     // A forbidden pose that is no view is out anyway.
     let forbidden = forbidden.iter().filter_map(|&id| place(id)).chain(keep_out.iter().flat_map(within)).collect();
     let caps = groups.iter().map(|group| Cap { members: within(&group.region), most: group.most }).collect();
     let mut separations = Vec::new();
     if *joint_separation > 0.0 {
-        let kinds: Vec<JointKind> = problem.robot.chain.joints.iter().map(|joint| joint.kind).collect();
-        let angles = |view: &View| {
-            let revolute = view.q.iter().zip(&kinds).filter(|(_, kind)| **kind == JointKind::Revolute);
-            revolute.map(|(&q, _)| q).collect()
-        };
-        separations.push(Separation { points: views.iter().map(angles).collect(), least: *joint_separation });
+        let points = views.iter().map(|view| angles(problem, view)).collect();
+        separations.push(Separation { points, least: *joint_separation });
     }
     if *view_separation > 0.0 {
-        // Directions as unit vectors: an angle α is a chord of 2 sin(α/2).
-        let direction = |view: &View| -> Vec<f64> {
-            let toward: Vector3<f64> = view.X_CT.inverse().translation.vector.normalize();
-            toward.iter().copied().collect()
-        };
-        let least = 2.0 * (0.5 * view_separation).sin();
-        separations.push(Separation { points: views.iter().map(direction).collect(), least });
+        separations.push(Separation { points: views.iter().map(direction).collect(), least: chord(*view_separation) });
     }
     Ok(Constraints { required: indices, forbidden, caps, separations })
+}
+
+/// Whether a view that was not swept may stand beside `others`: by the axis test, the regions and the separations.
+pub(super) fn allows(problem: &Problem, others: &[&View], view: &View) -> bool {
+    let constraints = &problem.constraints;
+    let within = |region: &JointRegion| others.iter().filter(|other| region.contains(&other.q)).count();
+    let apart = |point: &dyn Fn(&View) -> Vec<f64>, least: f64| {
+        let own = point(view);
+        let distance = |other: &View| own.iter().zip(point(other)).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
+        least == 0.0 || others.iter().all(|other| distance(other) >= least)
+    };
+    (problem.axis == AxisRule::Any || view.axis_case(&problem.target) != AxisCase::Outside)
+        && !constraints.keep_out.iter().any(|region| region.contains(&view.q))
+        && constraints.groups.iter().all(|g| !g.region.contains(&view.q) || within(&g.region) < g.most)
+        && apart(&|view| angles(problem, view), constraints.joint_separation)
+        && apart(&direction, chord(constraints.view_separation))
+}
+
+/// Values of the revolute joints.
+fn angles(problem: &Problem, view: &View) -> Vec<f64> {
+    let joints = view.q.iter().zip(&problem.robot.chain.joints);
+    joints.filter(|(_, joint)| joint.kind == JointKind::Revolute).map(|(&q, _)| q).collect()
+}
+
+/// Unit vector from the board's centre to the camera, in the board's frame.
+fn direction(view: &View) -> Vec<f64> {
+    let toward: Vector3<f64> = view.X_CT.inverse().translation.vector.normalize();
+    toward.iter().copied().collect()
+}
+
+/// Distance of two unit vectors at an angle.
+fn chord(angle: f64) -> f64 {
+    2.0 * (0.5 * angle).sin()
 }
 
 /// The p×p information that is known before the first pose is chosen: of the views taken already, and the standard

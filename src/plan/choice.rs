@@ -344,19 +344,17 @@ impl<'a> Chooser<'a> {
 
     pub(super) fn assess(&self, mut selected: Vec<usize>) -> Choice {
         selected.sort_unstable();
-        let p = self.prior.nrows();
-        let M = self.information(&selected);
-        let packed = pack(&M);
-        let sigma = match M.cholesky() {
+        let (sigma, map_error) = self.accuracy(&self.information(&selected));
+        Choice { log_value: self.objective.log_value(&selected), map_error, sigma, selected }
+    }
+
+    /// Standard deviations and map error by the p×p information M on the intrinsics, as in a [`Choice`].
+    pub(super) fn accuracy(&self, M: &DMatrix<f64>) -> (Vec<f64>, f64) {
+        let sigma = match M.clone().cholesky() {
             Some(factor) => factor.inverse().diagonal().iter().map(|variance| variance.sqrt()).collect(),
             None => vec![],
         };
-        Choice {
-            log_value: self.objective.log_value(&selected),
-            map_error: (-0.5 * self.map_error.log_value(&mut packed.clone(), p)).exp(),
-            sigma,
-            selected,
-        }
+        (sigma, (-0.5 * self.map_error.log_value(&mut pack(M), M.nrows())).exp())
     }
 
     pub(super) fn instance(&self, count: usize) -> Result<Instance<'_>, PlanError> {

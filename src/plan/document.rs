@@ -332,22 +332,27 @@ impl Plan {
     /// # Errors
     /// Never in practice: the writer writes to memory.
     pub fn to_csv(&self) -> Result<Vec<u8>, csv::Error> {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        let joints = self.joints.iter().map(|name| format!("joint_{name}"));
-        let fixed = ["camera_x_m", "camera_y_m", "camera_z_m", "camera_qx", "camera_qy", "camera_qz", "camera_qw"];
-        let header = joints.chain(fixed.map(String::from)).chain(["tilt_deg", "distance_m", "share"].map(String::from));
-        let tested = self.poses.iter().any(|pose| pose.stability_margin_m.is_some());
-        let header = header.chain(tested.then(|| "stability_margin_m".into()));
-        writer.write_record(std::iter::once(String::from("id")).chain(header))?;
-        for pose in &self.poses {
-            let numbers = pose.joints_rad.iter().chain(&pose.camera_in_base.position_m);
-            let numbers = numbers.chain(&pose.camera_in_base.quaternion_xyzw);
-            let numbers = numbers.chain([&pose.tilt_deg, &pose.distance_m, &pose.share]);
-            let numbers = numbers.chain(&pose.stability_margin_m).map(f64::to_string);
-            writer.write_record(std::iter::once(pose.id.to_string()).chain(numbers))?;
-        }
-        writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))
+        poses_csv(&self.joints, &self.poses)
     }
+}
+
+/// Poses as CSV, one a line under a header.
+pub(super) fn poses_csv(joints: &[String], poses: &[PlannedPose]) -> Result<Vec<u8>, csv::Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let joints = joints.iter().map(|name| format!("joint_{name}"));
+    let fixed = ["camera_x_m", "camera_y_m", "camera_z_m", "camera_qx", "camera_qy", "camera_qz", "camera_qw"];
+    let header = joints.chain(fixed.map(String::from)).chain(["tilt_deg", "distance_m", "share"].map(String::from));
+    let tested = poses.iter().any(|pose| pose.stability_margin_m.is_some());
+    let header = header.chain(tested.then(|| "stability_margin_m".into()));
+    writer.write_record(std::iter::once(String::from("id")).chain(header))?;
+    for pose in poses {
+        let numbers = pose.joints_rad.iter().chain(&pose.camera_in_base.position_m);
+        let numbers = numbers.chain(&pose.camera_in_base.quaternion_xyzw);
+        let numbers = numbers.chain([&pose.tilt_deg, &pose.distance_m, &pose.share]);
+        let numbers = numbers.chain(&pose.stability_margin_m).map(f64::to_string);
+        writer.write_record(std::iter::once(pose.id.to_string()).chain(numbers))?;
+    }
+    writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))
 }
 
 impl CertificateDocument {

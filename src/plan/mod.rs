@@ -6,11 +6,16 @@ mod certify;
 mod choice;
 mod comparison;
 mod document;
+mod explain;
+mod explanation;
 mod files;
 mod make;
 mod next;
 mod objective;
+mod polish;
+mod polished;
 mod reach;
+mod recall;
 mod survey;
 mod verify;
 
@@ -23,9 +28,17 @@ pub use document::{
     AccuracyDocument, Candidates, CertificateDocument, CertificateTerm, FewestDocument, Intrinsics, PLAN_FORMAT,
     PLAN_VERSION, Plan, PlanReadError, PlannedPose, Pose, Price, ProblemReference, SearchDocument,
 };
+pub use explain::{ExplainSettings, explain};
+pub use explanation::{
+    CombinationTerm, CurvePoint, EXPLANATION_FORMAT, EXPLANATION_VERSION, Explanation, LeastKnown, PoseExplanation,
+    SparePose, Suffering,
+};
 pub use files::{FileError, write_atomically, write_together};
 pub use make::{FewestProof, Made, SearchSummary, make};
 pub use next::{Proposal, Wish, next};
+pub use polish::{PolishSettings, Polished, polish};
+pub use polished::{GridPlan, POLISHED_FORMAT, POLISHED_VERSION, PROVEN, PolishedPlan};
 pub use reach::reach_starts;
+pub use recall::RecallError;
 pub use survey::{Survey, SurveyError, survey};
 pub use verify::{VerifyError, verify};

@@ -7,8 +7,9 @@ use rayon::prelude::*;
 
 use super::certify::Checked;
 use super::survey::{Survey, SurveyError};
+use crate::feasibility::View;
 use crate::information::packed::{pack, packed_len, unpack};
-use crate::information::{Criterion, InformationSet, Measurement, ZHANG_DIRECTIONS, diversity_set, pixel_units};
+use crate::information::{Criterion, DiversityModel, InformationSet, Measurement, ZHANG_DIRECTIONS, pixel_units};
 use crate::problem::{Accuracy, Problem};
 use crate::selection::{Constraints, InformationFunction, Instance, SelectionError, Term};
 
@@ -32,6 +33,40 @@ struct ObjectiveTerm<'a> {
     function: InformationFunction,
     /// Names of the parameters.
     parameters: Vec<String>,
+    source: Source,
+}
+
+/// Where a view's matrix comes from.
+#[derive(Debug, Clone)]
+enum Source {
+    /// Its information on the intrinsics.
+    Intrinsics,
+    /// The same with the intrinsics in other units.
+    Scaled(Vec<f64>),
+    /// Its share of Zhang's closed form.
+    Zhang,
+    /// The model of the views' features.
+    Diversity(DiversityModel),
+}
+
+impl Source {
+    /// The packed matrix of a view; `None` if its corners do not fix what is needed.
+    fn information(&self, measurement: &Measurement, view: &View) -> Option<Vec<f64>> {
+        let View { X_CT, seen, .. } = view;
+        match self {
+            Source::Intrinsics => measurement.information(X_CT, seen),
+            Source::Scaled(units) => {
+                let mut information = measurement.information(X_CT, seen)?;
+                let pairs = (0..units.len()).flat_map(|i| (0..=i).map(move |j| (i, j)));
+                for (entry, (i, j)) in information.iter_mut().zip(pairs) {
+                    *entry *= units[i] * units[j];
+                }
+                Some(information)
+            }
+            Source::Zhang => measurement.zhang_information(X_CT, seen),
+            Source::Diversity(model) => Some(model.information(X_CT)),
+        }
+    }
 }
 
 impl<'a> Objective<'a> {
@@ -68,8 +103,36 @@ impl<'a> Objective<'a> {
             prior: Some(prior.clone()),
             function: InformationFunction::worst_variance(&weights),
             parameters: owned(&problem.estimated_names()),
+            source: Source::Intrinsics,
         };
         Self { terms: vec![term] }
+    }
+
+    /// The matrices of a view, swept or not, term after term as in an instance's totals; `None` if its corners do not fix what
+    /// a criterion needs.
+    pub(super) fn information(&self, measurement: &Measurement, view: &View) -> Option<Vec<f64>> {
+        let terms = self.terms.iter().map(|term| term.source.information(measurement, view));
+        Some(terms.collect::<Option<Vec<_>>>()?.concat())
+    }
+
+    /// The same objective on other views, given by their [`Objective::information`].
+    pub(super) fn on(&self, views: &[Vec<f64>]) -> Objective<'static> {
+        let mut start = 0;
+        let terms = self.terms.iter().map(|term| {
+            let p = term.candidates.order();
+            let place = start..start + packed_len(p);
+            start = place.end;
+            let table = views.iter().flat_map(|view| view[place.clone()].iter().copied()).collect();
+            ObjectiveTerm {
+                candidates: Cow::Owned(InformationSet::from_packed_trusted(p, table)),
+                prior: term.prior.clone(),
+                function: term.function.clone(),
+                parameters: term.parameters.clone(),
+                source: term.source.clone(),
+                ..*term
+            }
+        });
+        Objective { terms: terms.collect() }
     }
 
     /// The problem of choosing `count` views.
@@ -167,29 +230,32 @@ impl<'a> ObjectiveTerm<'a> {
         let names = owned(&problem.estimated_names());
         let borrowed = Cow::Borrowed(&survey.information);
         let poses = || survey.views.iter().map(|view| view.X_CT).collect::<Vec<_>>();
-        let term = |candidates, prior, function, parameters| Self {
+        let term = |candidates, prior, function, parameters, source| Self {
             criterion: Some(criterion),
             share,
             candidates,
             prior,
             function,
             parameters,
+            source,
         };
+        let intrinsics = Source::Intrinsics;
         Ok(match criterion {
-            Criterion::D => term(borrowed, Some(prior.clone()), InformationFunction::Determinant, names),
+            Criterion::D => term(borrowed, Some(prior.clone()), InformationFunction::Determinant, names, intrinsics),
             Criterion::V => {
                 let function = InformationFunction::variance(&survey.map_weight);
-                term(borrowed, Some(prior.clone()), function, names)
+                term(borrowed, Some(prior.clone()), function, names, intrinsics)
             }
             Criterion::A => {
                 let function = InformationFunction::variance(&pixel_weight(problem));
-                term(borrowed, Some(prior.clone()), function, names)
+                term(borrowed, Some(prior.clone()), function, names, intrinsics)
             }
             Criterion::E => {
                 let units = pixel_units(&problem.camera, &problem.estimated);
                 let D = DMatrix::from_diagonal(&units.clone().into());
                 let candidates = Cow::Owned(survey.information.scaled(&units));
-                term(candidates, Some(&D * prior * &D), InformationFunction::min_eigenvalue(), names)
+                let prior = &D * prior * &D;
+                term(candidates, Some(prior), InformationFunction::min_eigenvalue(), names, Source::Scaled(units))
             }
             Criterion::Zhang => {
                 let corners: Vec<_> = problem.target.board.corners().collect();
@@ -206,12 +272,15 @@ impl<'a> ObjectiveTerm<'a> {
                         rows: problem.target.board.rows,
                     })?;
                 let function = InformationFunction::min_eigenvalue();
-                term(Cow::Owned(candidates), None, function, owned(&ZHANG_DIRECTIONS))
+                term(Cow::Owned(candidates), None, function, owned(&ZHANG_DIRECTIONS), Source::Zhang)
             }
             Criterion::Diversity => {
-                let (candidates, monomials) = diversity_set(&poses());
+                let poses = poses();
+                let model = DiversityModel::new(&poses);
+                let (candidates, monomials) = (model.information_set(&poses), model.monomials());
                 let prior = unpack(&candidates.mean(), monomials.len()) * DIVERSITY_PRIOR;
-                term(Cow::Owned(candidates), Some(prior), InformationFunction::Determinant, monomials)
+                let function = InformationFunction::Determinant;
+                term(Cow::Owned(candidates), Some(prior), function, monomials, Source::Diversity(model))
             }
         })
     }

@@ -1,0 +1,158 @@
+//! What each member of a selection is worth, and which candidates could take its place.
+
+use super::instance::Instance;
+
+/// A candidate that can take a member's place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spare {
+    /// The candidate.
+    pub candidate: usize,
+    /// log Φ of the selection with it.
+    pub log_value: f64,
+}
+
+/// Allowance for rounding when a bound is held against a value in log Φ.
+const ROUNDING: f64 = 1e-9;
+
+/// Where so little of Φ is left without a member, in log Φ, the gradient of the rest is mostly rounding and bounds nothing.
+const TOO_LITTLE: f64 = 12.0;
+
+/// log Φ of a selection without each of its members, in their order; −∞ where the others leave a combination of the
+/// parameters undetermined.
+pub fn without_each(instance: &Instance, selected: &[usize]) -> Vec<f64> {
+    // Summed anew rather than subtracted: where a member carries almost all, the difference would be rounding.
+    selected.iter().map(|&i| instance.log_value(&instance.total(&others(selected, i)))).collect()
+}
+
+/// The `most` candidates that leave the greatest log Φ when they take the place of `leaving`, the best first, equal ones by
+/// index; only those that the constraints allow beside the other members. A required member has no spares.
+///
+/// Two bounds spare most candidates the evaluation, with the gradients Y of the selection M and `Y'` of the rest `M' = M − M_i`:
+///
+/// ```text
+/// Φ(M' + M_j) ≤ Φ(M') (1 + ⟨Y', M_j⟩),      Φ(M' + M_j) ≤ Φ(M) (1 + ⟨Y, M_j⟩ − ⟨Y, M_i⟩)
+/// ```
+pub fn spares(instance: &Instance, selected: &[usize], leaving: usize, most: usize) -> Vec<Spare> {
+    if most == 0 || !instance.is_open(leaving) {
+        return vec![];
+    }
+    let rules = instance.rules();
+    let rest = instance.total(&others(selected, leaving));
+    let bounds = replacement_bounds(instance, &instance.total(selected), &rest, leaving);
+    let mut candidates: Vec<usize> =
+        (0..instance.len()).filter(|&j| instance.is_open(j) && !selected.contains(&j)).collect();
+    candidates.sort_unstable_by(|&a, &b| bounds[b].total_cmp(&bounds[a]).then(a.cmp(&b)));
+    let mut best: Vec<Spare> = Vec::with_capacity(most + 1);
+    let mut work = Vec::new();
+    for candidate in candidates {
+        if best.len() == most && best.last().is_some_and(|last| bounds[candidate] + ROUNDING < last.log_value) {
+            break;
+        }
+        if !rules.is_free() && !rules.allows(selected, Some(leaving), candidate) {
+            continue;
+        }
+        work.clone_from(&rest);
+        instance.add_to(&mut work, candidate, 1.0);
+        let spare = Spare { candidate, log_value: instance.log_value_in_place(&mut work) };
+        let behind = |other: &Spare| {
+            other.log_value > spare.log_value || (other.log_value == spare.log_value && other.candidate < candidate)
+        };
+        best.insert(best.partition_point(behind), spare);
+        best.truncate(most);
+    }
+    best
+}
+
+fn others(selected: &[usize], leaving: usize) -> Vec<usize> {
+    selected.iter().copied().filter(|&i| i != leaving).collect()
+}
+
+/// For each candidate what log Φ can be at most once it has taken the place of `leaving`.
+fn replacement_bounds(instance: &Instance, total: &[f64], rest: &[f64], leaving: usize) -> Vec<f64> {
+    let (before, left) = (instance.log_value(total), instance.log_value(rest));
+    let mut bounds = vec![f64::INFINITY; instance.len()];
+    let mut tighten = |log_value: f64, y: &[f64], taken: f64| {
+        for (bound, score) in bounds.iter_mut().zip(instance.scores(y)) {
+            *bound = bound.min(log_value + (score - taken).max(-1.0).ln_1p());
+        }
+    };
+    if let Some(gradient) = instance.gradient(total) {
+        tighten(before, &gradient.y, instance.scores_of(&gradient.y, &[leaving])[0]);
+    }
+    if left > before - TOO_LITTLE
+        && let Some(gradient) = instance.gradient(rest)
+    {
+        tighten(left, &gradient.y, 0.0);
+    }
+    bounds
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DMatrix;
+    use rand::{Rng, SeedableRng};
+    use rand_distr::StandardNormal;
+    use rand_xoshiro::Xoshiro256Plus;
+
+    use super::*;
+    use crate::information::InformationSet;
+    use crate::selection::{Cap, Constraints, InformationFunction, Separation, Term};
+
+    /// Every replacement tried, by every function, with and without constraints.
+    #[test]
+    fn spares_are_those_of_an_exhaustive_search() {
+        let mut rng = Xoshiro256Plus::seed_from_u64(5);
+        let (n, p, k) = (60, 3, 4);
+        for round in 0..40 {
+            let mut normal = |rows, columns| DMatrix::from_fn(rows, columns, |_, _| rng.sample(StandardNormal));
+            // Of rank one: without one of four members little may be left, without one of three nothing.
+            let matrices: Vec<DMatrix<f64>> = (0..n)
+                .map(|_| {
+                    let a: DMatrix<f64> = normal(p, 1);
+                    &a * a.transpose()
+                })
+                .collect();
+            let weights = [0, 1].map(|_| {
+                let a = normal(p, p);
+                &a * a.transpose()
+            });
+            let points: Vec<Vec<f64>> = (0..n).map(|_| normal(2, 1).as_slice().to_vec()).collect();
+            let candidates = InformationSet::from_matrices(p, &matrices).unwrap();
+            let functions = [
+                InformationFunction::Determinant,
+                InformationFunction::variance(&weights[0]),
+                InformationFunction::min_eigenvalue(),
+                InformationFunction::worst_variance(&weights),
+            ];
+            let function = &functions[round % 4];
+            let mut constraints = Constraints::default();
+            if round % 3 == 1 {
+                constraints.required = vec![0];
+                constraints.forbidden = vec![7, 8];
+                constraints.caps = vec![Cap { members: (0..30).collect(), most: 2 }];
+                constraints.separations = vec![Separation { points, least: 0.4 }];
+            }
+            let count = if round % 5 == 0 { p } else { k };
+            let term = Term { candidates: &candidates, prior: None, function, share: 1.0 };
+            let instance = Instance::constrained(&[term], count, constraints).unwrap();
+            let selected = crate::selection::greedy(&instance).unwrap();
+            for &leaving in &selected {
+                let mut expected: Vec<Spare> = (0..n)
+                    .filter(|&j| instance.is_open(leaving) && instance.is_open(j) && !selected.contains(&j))
+                    .filter(|&j| instance.rules().allows(&selected, Some(leaving), j))
+                    .map(|j| {
+                        let mut replaced = others(&selected, leaving);
+                        replaced.push(j);
+                        Spare { candidate: j, log_value: instance.log_value(&instance.total(&replaced)) }
+                    })
+                    .collect();
+                expected.sort_by(|a, b| b.log_value.total_cmp(&a.log_value).then(a.candidate.cmp(&b.candidate)));
+                expected.truncate(5);
+                assert_eq!(spares(&instance, &selected, leaving, 5), expected, "{round} {leaving}");
+            }
+            let without = without_each(&instance, &selected);
+            assert_eq!(without.len(), count);
+            assert_eq!(without.contains(&f64::NEG_INFINITY), count == p, "{without:?}");
+        }
+    }
+}
