@@ -150,7 +150,7 @@ fn what_is_no_plan_of_the_problem_is_refused() {
         change(&|plan| plan.poses[0].id += 1_000_000);
         assert!(complaint(desk.path(), &plan, 3).contains("is not among the"));
         change(&|plan| plan.poses[0].joints_rad[1] += 1e-3);
-        assert!(complaint(desk.path(), &plan, 3).contains("are not those of the swept configuration"));
+        assert!(complaint(desk.path(), &plan, 3).contains("lead elsewhere"));
         change(&|plan| plan.poses[0] = plan.poses[1].clone());
         assert!(complaint(desk.path(), &plan, 3).contains("is in it twice"));
         change(&|plan| plan.certificate.terms[0].criterion = "best".into());

@@ -51,7 +51,10 @@ impl Planned {
                 && X_BC.rotation.angle_to(&planned) < 1e-7)
         });
         if moved {
-            return Err(refused("it was made for another robot: its poses are elsewhere now; make a new plan".into()));
+            return Err(refused(
+                "its joint values lead elsewhere than it says: the robot was changed, or the plan; make a new plan"
+                    .into(),
+            ));
         }
         Ok(Self { plan, problem })
     }
