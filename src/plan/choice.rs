@@ -342,7 +342,8 @@ impl<'a> Chooser<'a> {
         })
     }
 
-    pub(super) fn assess(&self, mut selected: Vec<usize>) -> Choice {
+    /// What a set of views is worth, ascending or not, chosen by whatever means.
+    pub fn assess(&self, mut selected: Vec<usize>) -> Choice {
         selected.sort_unstable();
         let (sigma, map_error) = self.accuracy(&self.information(&selected));
         Choice { log_value: self.objective.log_value(&selected), map_error, sigma, selected }
