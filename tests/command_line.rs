@@ -411,7 +411,7 @@ fn a_plan_for_a_robot_that_has_changed_is_refused() {
     let changed = urdf.replace("xyz=\"0 0.12 0.48\"", "xyz=\"0 0.12 0.481\"");
     assert_ne!(changed, urdf);
     std::fs::write(desk.path("urdf/six-axis-rover.urdf"), changed).unwrap();
-    assert!(desk.complaint("verify out/plan.json -n 4", 3).contains("another robot"));
+    assert!(desk.complaint("verify out/plan.json -n 4", 3).contains("lead elsewhere"));
 }
 
 /// Views that repeat each other exactly teach in proportion, where rounding decides what greedy sees.

@@ -65,6 +65,8 @@ fn the_defaults_that_the_starter_shows_are_the_defaults() {
         "max_tilt_deg",
         "min_corner_spacing_px",
         "axis",
+        "refine",
+        "refine_sample",
         "criterion",
         "method",
         "seed",

@@ -8,7 +8,7 @@ use serde_json::json;
 use super::failure::Failure;
 use super::planned::Planned;
 use super::screen::{Screen, grouped, short};
-use crate::plan::{certify, survey};
+use crate::plan::certify;
 
 #[derive(Debug, Args)]
 pub(super) struct CertifyArguments {
@@ -20,11 +20,10 @@ pub(super) struct CertifyArguments {
 }
 
 pub(super) fn run(arguments: &CertifyArguments, screen: &mut Screen) -> Result<(), Failure> {
-    let Planned { plan, problem } = Planned::read(&arguments.plan, arguments.problem.as_deref())?;
-    let bar = screen.progress("sweeping", problem.space.len());
-    let surveyed = survey(&problem, &|swept| bar.inc(swept as u64));
-    bar.finish_and_clear();
-    let confirmed = certify(&plan, &problem, &surveyed?)
+    let planned = Planned::read(&arguments.plan, arguments.problem.as_deref())?;
+    let survey = planned.survey(screen)?;
+    let Planned { plan, problem } = &planned;
+    let confirmed = certify(plan, problem, &survey)
         .map_err(|error| Failure::Certify { path: arguments.plan.clone(), error: Box::new(error) })?;
     screen.document(
         &json!({

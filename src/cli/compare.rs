@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::failure::Failure;
 use super::screen::{Screen, short, table};
 use super::{Overrides, trials};
-use crate::plan::{Choice, Chooser, Equivalent, Row, Survey, compare, equivalent_kmeans, survey, verify};
+use crate::plan::{Choice, Chooser, Equivalent, Row, Survey, candidates, compare, equivalent_kmeans, verify};
 use crate::problem::Problem;
 use crate::selection::Method;
 use crate::verification::{Disturbance, MonteCarlo};
@@ -37,7 +37,7 @@ pub(super) fn run(arguments: &CompareArguments, screen: &mut Screen) -> Result<(
     }
     let problem = arguments.problem.problem()?;
     let bar = screen.progress("sweeping", problem.space.len());
-    let surveyed = survey(&problem, &|swept| bar.inc(swept as u64));
+    let surveyed = candidates(&problem, &|swept| bar.inc(swept as u64));
     bar.finish_and_clear();
     let survey = surveyed?;
 

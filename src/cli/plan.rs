@@ -11,7 +11,7 @@ use super::screen::{Screen, grouped, short, table};
 use super::searching::searching;
 use super::{Overrides, TableFormat, WRITING, method, trials, verify as verify_command};
 use crate::plan::{
-    Chooser, Plan, PlannedPose, Survey, candidates_csv, candidates_parquet, compare, make, survey, verify,
+    Chooser, Plan, PlannedPose, Survey, candidates, candidates_csv, candidates_parquet, compare, make, verify,
     write_together,
 };
 use crate::problem::Problem;
@@ -66,7 +66,7 @@ pub(super) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<(), 
     }
 
     let bar = screen.progress("sweeping", problem.space.len());
-    let surveyed = survey(&problem, &|swept| bar.inc(swept as u64));
+    let surveyed = candidates(&problem, &|swept| bar.inc(swept as u64));
     bar.finish_and_clear();
     let survey = surveyed?;
     let survey_time = start.elapsed();
@@ -185,6 +185,9 @@ fn summary(problem: &Problem, survey: &Survey, chooser: &Chooser, plan: &Plan) -
         .filter(|&(_, &count)| count > 0)
         .map(|(reason, &count)| format!("{} {}", grouped(count), reason.replace('_', " ")))
         .collect();
+    if candidates.refined > 0 {
+        text += &format!("Among these are views of {} more, tried around picked poses.\n", grouped(candidates.refined));
+    }
     if !rejected.is_empty() {
         text += &format!("Rejected: {}.\n", rejected.join(", "));
     }

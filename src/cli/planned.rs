@@ -6,7 +6,8 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use super::failure::Failure;
 use super::screen::Screen;
-use crate::plan::{Chooser, Plan, RecallError, Survey, survey};
+use crate::information::Criterion;
+use crate::plan::{Chooser, Plan, RecallError, Survey, candidates};
 use crate::problem::Problem;
 
 /// A plan and its problem.
@@ -25,7 +26,7 @@ impl Planned {
             .map(Path::to_owned)
             .or_else(|| named_by_run(path))
             .ok_or_else(|| refused("no run.json beside it tells the problem file; name it with --problem".into()))?;
-        let problem = Problem::read(&problem_path)?;
+        let mut problem = Problem::read(&problem_path)?;
         if problem.sha256 != plan.problem.sha256 {
             return Err(refused(format!(
                 "it was made from another version of {}; make a new plan, or name the old file with --problem",
@@ -56,13 +57,22 @@ impl Planned {
                     .into(),
             ));
         }
+        // The command line may have asked for something else than the file; candidates are refined for what was asked.
+        let criterion = |name: &str| Criterion::ALL.into_iter().find(|criterion| criterion.name() == name);
+        let terms = plan.certificate.terms.iter();
+        let criteria: Option<Vec<_>> = terms.map(|term| Some((criterion(&term.criterion)?, term.share))).collect();
+        if plan.fewest.is_none() {
+            problem.selection.criteria = criteria.unwrap_or(problem.selection.criteria);
+            problem.selection.count = plan.count;
+        }
+        problem.selection.seed = plan.seed;
         Ok(Self { plan, problem })
     }
 
     /// Surveys the problem anew.
     pub(super) fn survey(&self, screen: &Screen) -> Result<Survey, Failure> {
         let bar = screen.progress("sweeping", self.problem.space.len());
-        let surveyed = survey(&self.problem, &|swept| bar.inc(swept as u64));
+        let surveyed = candidates(&self.problem, &|swept| bar.inc(swept as u64));
         bar.finish_and_clear();
         Ok(surveyed?)
     }

@@ -96,6 +96,12 @@ impl InformationSet {
         Self { order, table }
     }
 
+    /// Adds the candidates of another set of the same order, after those that are there.
+    pub(crate) fn append(&mut self, other: &Self) {
+        debug_assert_eq!(self.order, other.order);
+        self.table.extend(&other.table);
+    }
+
     /// The set of `D M_i D`, D = diag(`scale`): the matrices for parameters in units of `scale`.
     #[must_use]
     pub fn scaled(&self, scale: &[f64]) -> Self {

@@ -105,10 +105,18 @@ pub struct Candidates {
     pub axis_inside: usize,
     /// Optical axes that fall on the zone's edge.
     pub axis_edge: usize,
+    /// Configurations tried around picked poses, beside the swept ones.
+    #[serde(skip_serializing_if = "is_zero", default)]
+    pub refined: usize,
     /// Configurations that passed every check: what the poses were chosen from.
     pub kept: usize,
     /// Candidates rejected, by reason.
     pub rejected: std::collections::BTreeMap<String, usize>,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_zero(number: &usize) -> bool {
+    *number == 0
 }
 
 /// The estimated intrinsics; lists of one length.
@@ -286,6 +294,7 @@ impl Plan {
                 swept: survey.sweep.swept,
                 axis_inside: survey.sweep.inside,
                 axis_edge: survey.sweep.edge,
+                refined: survey.refined,
                 kept: survey.views.len(),
                 rejected: Rejection::ALL.iter().map(|r| r.name().into()).zip(survey.rejected).collect(),
             },

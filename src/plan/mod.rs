@@ -16,6 +16,7 @@ mod polish;
 mod polished;
 mod reach;
 mod recall;
+mod refine;
 mod survey;
 mod verify;
 
@@ -40,5 +41,6 @@ pub use polish::{PolishSettings, Polished, polish};
 pub use polished::{GridPlan, POLISHED_FORMAT, POLISHED_VERSION, PROVEN, PolishedPlan};
 pub use reach::reach_starts;
 pub use recall::RecallError;
+pub use refine::candidates;
 pub use survey::{Survey, SurveyError, survey};
 pub use verify::{VerifyError, verify};

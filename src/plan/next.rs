@@ -2,7 +2,7 @@
 
 use super::choice::{Chooser, PlanError};
 use super::document::PlannedPose;
-use super::survey::survey;
+use super::refine::candidates;
 use crate::calibration::Calibration;
 use crate::problem::Problem;
 use crate::selection::Method;
@@ -46,7 +46,7 @@ pub fn next(
     observe: &(dyn Fn(usize) + Sync),
 ) -> Result<Proposal, PlanError> {
     let problem = Problem { camera: calibration.camera.clone(), noise: calibration.sigma, ..problem.clone() };
-    let survey = survey(&problem, observe)?;
+    let survey = candidates(&problem, observe)?;
     let known = (&survey.map_weight * &calibration.covariance).trace().sqrt();
     let prior = calibration.covariance.clone().cholesky().ok_or(PlanError::Covariance)?.inverse();
     let chooser = Chooser::new(&problem, &survey)?.with_prior(&prior)?;

@@ -18,6 +18,8 @@ pub struct Survey {
     pub views: Vec<View>,
     /// Candidates rejected, by the reasons of [`Rejection::ALL`].
     pub rejected: [usize; Rejection::ALL.len()],
+    /// Configurations tried around picked poses, beside the swept ones.
+    pub refined: usize,
     /// The views' information on the estimated intrinsics, in the views' order.
     pub information: InformationSet,
     /// The p×p weight of the map error.
@@ -81,5 +83,5 @@ pub fn survey(problem: &Problem, observe: &(dyn Fn(usize) + Sync)) -> Result<Sur
         .information_set(views.par_iter().map(|view| (&view.X_CT, &view.seen)))
         .ok_or(SurveyError::PoseUndetermined { columns: target.board.columns, rows: target.board.rows })?;
     let map_weight = map_error_weight(camera, &problem.estimated);
-    Ok(Survey { sweep, views, rejected, information, map_weight })
+    Ok(Survey { sweep, views, rejected, refined: 0, information, map_weight })
 }

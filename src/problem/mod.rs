@@ -52,6 +52,8 @@ pub struct Problem {
     pub target: Target,
     /// The joint configurations to sweep.
     pub space: JointSpace,
+    /// More configurations around the poses that selection picks.
+    pub refinement: Refinement,
     /// What others published of the sweep at various steps.
     pub published: Vec<PublishedSweep>,
     /// The axis test.
@@ -74,6 +76,15 @@ pub struct Problem {
     pub constraints: PoseConstraints,
     /// Folder for the plan, relative to the working directory.
     pub output: PathBuf,
+}
+
+/// How candidates are refined around the poses that selection picks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Refinement {
+    /// Rounds; 0 for none.
+    pub rounds: usize,
+    /// Configurations tried in each round.
+    pub sample: usize,
 }
 
 /// Published counts of a sweep with one step for all joints.

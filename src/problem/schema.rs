@@ -256,6 +256,11 @@ pub(super) struct Sweep {
     pub(super) step_mm: Option<NumberOrList>,
     /// Number of configurations of a Halton sample, instead of a grid.
     pub(super) sample: Option<u64>,
+    /// Rounds of refinement: each tries configurations around the poses that selection picks, ever closer; none when left out.
+    #[serde(default)]
+    pub(super) refine: u64,
+    /// Number of configurations that each round of refinement tries; 20 000 when left out.
+    pub(super) refine_sample: Option<u64>,
     /// Where the optical axis must go: "any" keeps all configurations, "zone" those whose axis meets the zone.
     #[serde(default = "any_axis")]
     pub(super) axis: Named<AxisRule>,

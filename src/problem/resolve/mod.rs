@@ -69,6 +69,8 @@ pub(super) fn resolve(
     // The size of the sweep means something only once the limits do.
     let space = robot.as_ref().and_then(|robot| check.space(&file.sweep, &robot.chain.joints));
     let published = check.published(&file.sweep);
+    let joints = robot.as_ref().map(|robot| robot.chain.joints.as_slice()).unwrap_or_default();
+    let refinement = check.refinement(&file.sweep, joints);
     if let Some(space) = &space {
         let path = KeyPath::section("selection").key("count");
         check.number(&path, selection.count as f64, Allowed::between(1.0, space.len() as f64));
@@ -81,6 +83,7 @@ pub(super) fn resolve(
             camera,
             target,
             space,
+            refinement,
             published,
             axis: file.sweep.axis.0,
             visibility,

@@ -4,7 +4,7 @@ use super::Check;
 use crate::problem::document::KeyPath;
 use crate::problem::fault::{Allowed, Reason};
 use crate::problem::shape::NumberOrList;
-use crate::problem::{PublishedSweep, most_configurations, schema};
+use crate::problem::{PublishedSweep, Refinement, most_configurations, schema};
 use crate::robot::{Joint, JointKind, Limits};
 use crate::sweep::{HaltonSample, JointGrid, JointSpace};
 
@@ -12,6 +12,8 @@ use crate::sweep::{HaltonSample, JointGrid, JointSpace};
 const STEP: Allowed = Allowed::between(1e-3, 1e4);
 /// Size of the sample where the file gives neither grid nor sample.
 const DEFAULT_SAMPLE: u64 = 200_000;
+/// Configurations tried in each round of refinement where the file does not say how many.
+const DEFAULT_REFINEMENT: u64 = 20_000;
 
 impl Check<'_, '_> {
     /// The configurations, or none if something is wrong with them.
@@ -50,6 +52,19 @@ impl Check<'_, '_> {
             self.fault(&path, Reason::TooManyConfigurations { configurations: space.len(), most });
         }
         (self.faults.len() == faults).then_some(space)
+    }
+
+    /// The rounds of refinement.
+    pub(super) fn refinement(&mut self, sweep: &schema::Sweep, joints: &[Joint]) -> Refinement {
+        let at = KeyPath::section("sweep");
+        let rounds = self.number(&at.key("refine"), sweep.refine as f64, Allowed::between(0.0, 20.0)) as usize;
+        let sample = sweep.refine_sample.unwrap_or(DEFAULT_REFINEMENT) as f64;
+        let sample = self.number(&at.key("refine_sample"), sample, Allowed::between(1.0, 1e7)) as usize;
+        if rounds > 0 && joints.len() > HaltonSample::MOST_JOINTS {
+            let reason = Reason::TooManyJoints { joints: joints.len(), most: HaltonSample::MOST_JOINTS };
+            self.fault(&at.key("refine"), reason);
+        }
+        Refinement { rounds, sample }
     }
 
     /// The published counts.
