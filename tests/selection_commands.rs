@@ -65,6 +65,14 @@ fn the_proven_best_is_no_worse_than_the_best_found() {
     assert!(exact["efficiency"].as_f64().unwrap() > 1.0 - 1e-8);
     assert!(desk.stdout("plan coarse.toml -k 8 --method exact --trials 0 -o exact").contains("proven optimal"));
     assert!(desk.stdout("certify exact/plan.json").contains("found by search"));
+    // What a search may claim lies between the value and what the matrix proves.
+    for (name, bound) in [("below the value", value(&exact) * 1.01), ("beyond the matrix", value(&exact) * 0.5)] {
+        let mut changed = exact.clone();
+        changed["bound"] = json!(bound);
+        changed["efficiency"] = json!(bound / value(&exact));
+        std::fs::write(desk.path("exact/plan.json"), changed.to_string()).unwrap();
+        assert!(desk.complaint("certify exact/plan.json", 1).contains("the bound"), "{name}");
+    }
     // A search that may not search has the certificate's bound.
     with(&desk, "hasty.toml", "method = \"exact\"\nnode_limit = 0", "");
     let hasty = plan(&desk, "plan hasty.toml -k 8 -o hasty");
@@ -88,6 +96,20 @@ fn the_fewest_poses_that_reach_an_accuracy_are_found_and_proven() {
     let less = plan(&desk, &format!("plan coarse.toml -k {} --method exact -o less", count - 1));
     assert_eq!(less["search"]["end"], "optimal");
     assert!(less["map_error_px"].as_f64().unwrap() > wished);
+
+    assert!(desk.complaint("plan accurate.toml -k 5", 2).contains("decides on the number of poses"));
+    let mut easier = fewest.clone();
+    easier["fewest"]["accuracies"][0]["wished"] = json!(wished / 2.0);
+    std::fs::write(desk.path("fewest/plan.json"), easier.to_string()).unwrap();
+    assert!(desk.complaint("certify fewest/plan.json", 1).contains("not those of the problem file"));
+
+    // Where constraints leave little room, fewer poses may still do.
+    let narrow = format!("method = \"best\"\naccuracy = {{ map_error_px = {} }}", 10.0 * wished);
+    with(&desk, "narrow.toml", &narrow, "\n[constraints]\njoint_separation_deg = 150\n");
+    assert!(plan(&desk, "plan narrow.toml -o narrow")["map_error_px"].as_f64().unwrap() <= 10.0 * wished);
+    with(&desk, "too_narrow.toml", &narrow, "\n[constraints]\njoint_separation_deg = 250\n");
+    let complaint = desk.complaint("plan too_narrow.toml -o narrow", 1);
+    assert!(complaint.contains("no set of poses was found") || complaint.contains("allow no other"), "{complaint}");
 
     with(&desk, "absurd.toml", "method = \"best\"\naccuracy = { map_error_px = 0.001, fx = 50 }", "");
     let complaint = desk.complaint("plan absurd.toml -o absurd", 1);

@@ -52,9 +52,12 @@ pub(super) fn run(arguments: &CertifyArguments, screen: &mut Screen) -> Result<(
         confirmed.efficiency,
     );
     if let Some(fewest) = &plan.fewest {
-        text += &match confirmed.least {
-            Some(least) => format!("\n{} poses are proven not to reach the accuracy.", least - 1),
-            None => format!("\nThat {} poses do not reach the accuracy was found by search.", fewest.least - 1),
+        text += &match (confirmed.least, &fewest.refutation) {
+            (Some(least), _) => format!("\n{} poses are proven not to reach the accuracy.", least - 1),
+            (None, Some(_)) => {
+                format!("\nThat {} poses do not reach the accuracy was found by search.", fewest.least - 1)
+            }
+            (None, None) => String::new(),
         };
     }
     if plan.search.is_some() {

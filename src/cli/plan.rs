@@ -55,6 +55,12 @@ pub(super) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<(), 
         return Err(Failure::Usage("--count is 0; a plan has at least one pose".into()));
     }
     selection.method = arguments.method.unwrap_or(selection.method);
+    let overridden = arguments.count.is_some() || arguments.method.is_some();
+    if overridden && !selection.accuracies.is_empty() {
+        let what = "the file wishes for an accuracy, which decides on the number of poses and the method; leave --count and \
+                    --method out, or take `accuracy` out of the file";
+        return Err(Failure::Usage(what.into()));
+    }
     if !selection.method.heeds_constraints() && !problem.constraints.allow_all() {
         let method = selection.method.name();
         return Err(Failure::Usage(format!(
@@ -205,12 +211,13 @@ fn summary(problem: &Problem, survey: &Survey, chooser: &Chooser, plan: &Plan) -
     let of = |i: usize| short(comparison.rows[i].choice.map_error);
     text += &format!(
         "\nPredicted map error {} px RMS over the image. {} k-means poses of {} views: {} px (clustered on joints), {} px \
-         (on camera positions).",
+         (on camera positions{}).",
         short(plan.map_error_px),
         plan.count,
         grouped(survey.views.len()),
         of(0),
         of(1),
+        if problem.constraints.allow_all() { "" } else { "; constraints aside" },
     );
     Ok(text)
 }
@@ -226,15 +233,13 @@ fn outcome(plan: &Plan) -> String {
             .iter()
             .map(|accuracy| format!("{} {} (wished {})", accuracy.name, short(accuracy.reached), accuracy.wished))
             .collect();
-        let proof = if fewest.least == *count {
-            format!("{} are proven not to suffice.", count - 1)
-        } else {
-            format!(
-                "Fewer than {} are proven not to suffice; of {} to {} it is not known (give the search more time).",
-                fewest.least,
-                fewest.least,
+        let proof = match (&fewest.refutation, fewest.least) {
+            (Some(_), least) if least == *count => format!("{} are proven not to suffice.", count - 1),
+            (None, least) if least == *count => "Fewer cannot be chosen.".into(),
+            (_, least) => format!(
+                "Fewer than {least} are proven not to suffice; whether {least} to {} do is not known.",
                 count - 1,
-            )
+            ),
         };
         return format!("{count} poses reach the accuracy: {}.\n{proof}", reached.join(", "));
     }

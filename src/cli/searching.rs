@@ -28,6 +28,8 @@ pub(super) fn searching<T>(
     let bar = screen.spinner("selecting");
     let start = Instant::now();
     let mut observe = |progress: &SearchProgress| {
+        // From here on there is a set to end with.
+        SEARCHING.store(true, Ordering::SeqCst);
         bar.set_message(format!(
             "{} nodes, {} waiting, gap {:.4} %",
             progress.nodes,
@@ -41,7 +43,6 @@ pub(super) fn searching<T>(
             ControlFlow::Continue(())
         }
     };
-    SEARCHING.store(true, Ordering::SeqCst);
     let selected = select(&mut observe);
     SEARCHING.store(false, Ordering::SeqCst);
     bar.finish_and_clear();

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use thiserror::Error;
 
 use super::choice::{Chooser, PlanError};
-use super::document::{CertificateDocument, Plan, Price};
+use super::document::{CertificateDocument, Plan, PlannedPose, Price};
 use super::survey::Survey;
 use crate::information::{Criterion, InformationSet};
 use crate::problem::{Accuracy, Problem};
@@ -36,6 +36,15 @@ pub enum CertifyError {
         stated: String,
         /// What the certificate says.
         found: String,
+    },
+    /// The accuracies are not those that the problem file wishes for.
+    #[error("the accuracies that the plan was made for are not those of the problem file")]
+    Wishes,
+    /// The poses miss the accuracies.
+    #[error("the poses do not reach the accuracy: the least of (wished / reached)² is {value}")]
+    Accuracy {
+        /// The plan's value.
+        value: f64,
     },
     /// A pose is not one of the candidates.
     #[error("pose {id} is not among the configurations that see the board, or its joint values are others")]
@@ -110,16 +119,46 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
 
     let value: f64 = terms.iter().map(|term| term.share * term.log_value(&selected)).sum();
     number("the value", plan.value, chooser.natural(value))?;
+    for (pose, share) in plan.poses.iter().zip(chooser.shares(&selected)?) {
+        number("a pose's share", pose.share, share)?;
+    }
     predictions(plan, problem, survey, &chooser.information(&selected))?;
     let bound = log_bound(&plan.certificate, &terms, &chooser, selected.len())?;
     number("the certificate's bound", plan.certificate.bound, chooser.natural(bound))?;
     let efficiency = (value - bound).exp();
-    if plan.search.is_none() {
-        number("the bound", plan.bound, chooser.natural(bound))?;
-        number("the efficiency", plan.efficiency, efficiency)?;
+    match &plan.search {
+        None => number("the bound", plan.bound, chooser.natural(bound))?,
+        Some(search) => {
+            // Between the two lies what a search may claim; the most it may claim is that they are one.
+            let claimed = chooser.log_of(plan.bound);
+            if !(claimed >= value - SAME && claimed <= bound + SAME) {
+                return Err(CertifyError::Number {
+                    what: "the bound",
+                    stated: plan.bound,
+                    found: chooser.natural(bound),
+                });
+            }
+            if search.end == "optimal" {
+                number("the bound of a proven optimum", plan.bound, chooser.natural(value))?;
+            }
+        }
     }
+    number("the efficiency", plan.efficiency, (value - chooser.log_of(plan.bound)).exp())?;
+    number("the number of candidates", plan.candidates.kept as f64, survey.views.len() as f64)?;
 
     let mut least = None;
+    if let Some(fewest) = &plan.fewest {
+        if value < -SAME {
+            return Err(CertifyError::Accuracy { value: chooser.natural(value) });
+        }
+        let reached = chooser.reached(&chooser.assess(selected.clone()));
+        for (wish, (_, reached, _)) in fewest.accuracies.iter().zip(&reached) {
+            number("an accuracy reached", wish.reached, *reached)?;
+        }
+        if fewest.refutation.is_none() && fewest.least > chooser.constraints().required.len().max(1) {
+            return Err(CertifyError::Refutation { count: fewest.least - 1 });
+        }
+    }
     if let Some(fewest) = &plan.fewest
         && let Some(refutation) = &fewest.refutation
     {
@@ -139,7 +178,7 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
 fn asked_for(plan: &Plan, problem: &Problem) -> Result<Problem, CertifyError> {
     let mut problem = problem.clone();
     let unknown = |name: &str| CertifyError::Criterion { stated: name.into(), found: "none of that name".into() };
-    problem.selection.accuracies.clear();
+    let wished = std::mem::take(&mut problem.selection.accuracies);
     if let Some(fewest) = &plan.fewest {
         let names = problem.estimated_names();
         for wish in &fewest.accuracies {
@@ -149,6 +188,9 @@ fn asked_for(plan: &Plan, problem: &Problem) -> Result<Problem, CertifyError> {
                 None => return Err(unknown(&wish.name)),
             };
             problem.selection.accuracies.push((accuracy, wish.wished));
+        }
+        if problem.selection.accuracies != wished {
+            return Err(CertifyError::Wishes);
         }
         return Ok(problem);
     }
@@ -175,6 +217,14 @@ fn views_of(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Vec<usize
         if !same || pose.joints_rad.len() != problem.robot.chain.dof() {
             return Err(foreign());
         }
+        let found = PlannedPose::new(problem, &survey.views[place], pose.share);
+        let pairs = pose.joints_deg.iter().zip(&found.joints_deg);
+        for (stated, found) in pairs.chain([(&pose.tilt_deg, &found.tilt_deg), (&pose.distance_m, &found.distance_m)]) {
+            if (stated - found).abs() > 1e-9 {
+                return Err(CertifyError::Number { what: "a pose's number", stated: *stated, found: *found });
+            }
+        }
+        number("the number of a pose's joints", pose.joints_deg.len() as f64, found.joints_deg.len() as f64)?;
         if selected.contains(&place) {
             return Err(CertifyError::Twice { id: pose.id });
         }

@@ -43,13 +43,14 @@ pub enum PlanError {
     #[error(transparent)]
     Constraints(#[from] ConstraintError),
     /// The accuracies are out of reach.
-    #[error("not even {count} poses reach the accuracy wished for: {}", describe_shortfalls(shortfalls))]
+    #[error("{}: {}", describe_reach(*count, *bound), describe_shortfalls(shortfalls))]
     Inaccurate {
-        /// The most poses that may be chosen.
+        /// Poses of the best set found.
         count: usize,
         /// Of each accuracy that is missed its name, what the best set found reaches, and what is wished.
         shortfalls: Vec<(String, f64, f64)>,
-        /// Share of the accuracy that no set of so many surpasses; below 1 it is proven that none suffices.
+        /// Share of the accuracy that no set of so many surpasses: below 1 it is proven that none suffices; infinite if nothing is
+        /// known.
         bound: f64,
     },
     /// What is known already is not positive definite.
@@ -77,6 +78,14 @@ fn describe(combination: &[(String, f64)]) -> String {
         text += &format!("{sign}{:.3} {name}", c.abs());
     }
     text
+}
+
+fn describe_reach(count: usize, bound: f64) -> String {
+    if bound < 1.0 {
+        format!("not even {count} poses, all that may be chosen, reach the accuracy wished for")
+    } else {
+        format!("no set of poses was found that reaches the accuracy wished for; with the best, {count} poses")
+    }
 }
 
 fn describe_shortfalls(shortfalls: &[(String, f64, f64)]) -> String {
@@ -199,6 +208,11 @@ impl<'a> Chooser<'a> {
         self.objective.natural(log_value)
     }
 
+    /// log Φ of a value in the criterion's own unit.
+    pub(super) fn log_of(&self, natural: f64) -> f64 {
+        self.objective.log_of(natural)
+    }
+
     /// The certificate for choices of `count` poses, and the best choice found on the way to it.
     ///
     /// # Errors
@@ -243,8 +257,8 @@ impl<'a> Chooser<'a> {
         let found = fewest(&instance, 0.0, most, &self.settings, seed, node_limit, observe);
         let found = found.map_err(|error| match error {
             NotEnough::Selection(error) => chooser.explain(error),
-            NotEnough::Never { count, selected, log_bound } => PlanError::Inaccurate {
-                count,
+            NotEnough::Never { selected, log_bound } => PlanError::Inaccurate {
+                count: selected.len(),
                 shortfalls: chooser.shortfalls(&chooser.assess(selected)),
                 // Φ is of variances, the accuracies of their roots.
                 bound: (0.5 * log_bound).exp(),
@@ -256,6 +270,11 @@ impl<'a> Chooser<'a> {
 
     /// Accuracies wished for that a choice misses: name, reached, wished.
     fn shortfalls(&self, choice: &Choice) -> Vec<(String, f64, f64)> {
+        self.reached(choice).into_iter().filter(|(_, reached, wished)| reached > wished).collect()
+    }
+
+    /// The accuracies wished for, in the problem's order: name, reached, wished.
+    pub(super) fn reached(&self, choice: &Choice) -> Vec<(String, f64, f64)> {
         let names = self.problem.estimated_names();
         let reached = |&(accuracy, wished): &(Accuracy, f64)| match accuracy {
             Accuracy::MapError => ("the map error in px".to_owned(), choice.map_error, wished),
@@ -263,8 +282,7 @@ impl<'a> Chooser<'a> {
                 (format!("sigma of {}", names[j]), choice.sigma.get(j).copied().unwrap_or(f64::INFINITY), wished)
             }
         };
-        let all = self.problem.selection.accuracies.iter().map(reached);
-        all.filter(|(_, reached, wished)| reached > wished).collect()
+        self.problem.selection.accuracies.iter().map(reached).collect()
     }
 
     /// A bound on every choice of `count` poses, without the effort of choosing the best.

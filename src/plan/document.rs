@@ -11,7 +11,7 @@ use crate::information::Criterion;
 use crate::information::packed::{packed_len, unpack};
 use crate::problem::{Accuracy, Problem};
 use crate::robot::JointKind;
-use crate::selection::{Certificate, SearchEnd};
+use crate::selection::{Certificate, Method, SearchEnd};
 use crate::target::Corners;
 
 /// Value of the key `format`.
@@ -219,7 +219,7 @@ pub struct PlannedPose {
     pub tilt_deg: f64,
     /// Distance from the camera to the board's centre.
     pub distance_m: f64,
-    /// Share of the plan's information; the shares add up to one.
+    /// Share of the information at hand; with the share of what was known beforehand they add up to one.
     pub share: f64,
     /// Tip-over margin: distance of the projected centre of mass from the support polygon's nearest edge. Left out where
     /// stability is not tested.
@@ -284,7 +284,8 @@ impl Plan {
             calipose: env!("CARGO_PKG_VERSION").into(),
             problem: ProblemReference { name: problem.name.clone(), sha256: problem.sha256.clone() },
             criterion: chooser.criterion(),
-            method: settings.method.name().into(),
+            // Accuracies have a way of their own, which selects by this method for every number of poses.
+            method: if fewest.is_some() { Method::Best } else { settings.method }.name().into(),
             count: choice.selected.len(),
             seed: settings.seed,
             value: chooser.natural(choice.log_value),

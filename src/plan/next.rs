@@ -55,7 +55,10 @@ pub fn next(
         Wish::Accuracy { map_error, .. } if known <= map_error => {
             return Ok(Proposal { known, expected: known, fulfilled: true, poses: vec![] });
         }
-        Wish::Accuracy { map_error, most } => (1..=most.min(survey.views.len()), map_error),
+        Wish::Accuracy { map_error, most } => {
+            let fewest = problem.constraints.required.len().max(1);
+            (fewest..=most.min(survey.views.len()).max(fewest), map_error)
+        }
     };
     let mut proposal = Proposal { known, expected: known, fulfilled: false, poses: vec![] };
     for count in counts {

@@ -28,7 +28,9 @@ pub fn candidates(problem: &Problem, observe: &(dyn Fn(usize) + Sync)) -> Result
     for _ in 0..problem.refinement.rounds {
         let count = problem.selection.count.min(survey.views.len());
         let chooser = Chooser::new(problem, &survey)?;
-        let picked = chooser.choose(Method::Exchange, count, problem.selection.seed)?.selected;
+        // Where nothing can be picked there is nothing to refine; the selection itself says why.
+        let Ok(picked) = chooser.choose(Method::Exchange, count, problem.selection.seed) else { break };
+        let picked = picked.selected;
         let picks: Vec<Vec<f64>> = picked.iter().map(|&i| survey.views[i].q.clone()).collect();
         join(problem, &mut survey, &picks, &radii)?;
         for radius in &mut radii {

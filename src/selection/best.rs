@@ -8,8 +8,9 @@ use super::greedy::greedy;
 use super::instance::{Instance, SelectionError};
 use super::relaxation::{Relaxation, RelaxationSettings, relax};
 
-/// Random roundings tried beside the k largest weights.
+/// Random roundings tried beside the k largest weights, of functions without and with kinks, on which exchange takes longer.
 const ROUNDINGS: usize = 16;
+const ROUNDINGS_AT_KINKS: usize = 6;
 
 /// A selection with the relaxation that bounds it.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,7 +34,7 @@ pub fn best(instance: &Instance, settings: &RelaxationSettings, seed: u64) -> Re
     let mut best = Best { log_value: instance.log_value(&total), selected: start, relaxation };
     let mut rng = Xoshiro256Plus::seed_from_u64(seed);
     let mut tried = vec![best.selected.clone()];
-    for round in 0..=ROUNDINGS {
+    for round in 0..=if instance.is_smooth() { ROUNDINGS } else { ROUNDINGS_AT_KINKS } {
         let order = if round == 0 { best.relaxation.by_weight() } else { best.relaxation.drawn_by_weight(&mut rng) };
         let Some(rounded) = first_allowed(instance, &order).filter(|rounded| !tried.contains(rounded)) else {
             continue;

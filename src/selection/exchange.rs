@@ -1,5 +1,6 @@
 //! Exchange (Fedorov 1972): swaps one selected candidate for another while that gains.
 
+use super::greedy::highest;
 use super::instance::Instance;
 
 /// Least gain in log Φ that counts as one.
@@ -9,6 +10,9 @@ const LEAST_GAIN: f64 = 1e-12;
 /// exchange would stop at once; the smooth stand-ins lead it towards selections that are good by the function itself.
 const SOFTNESSES: [f64; 5] = [0.5, 0.2, 0.08, 0.03, 0.01];
 
+/// Candidates that a swap at a softness may bring in: the way there matters less than the end, which looks at all.
+const SOFT_WIDTH: usize = 150;
+
 /// Improves a selection by the best swap of one selected for one other candidate until no swap gains; returns it in
 /// ascending order. Required candidates stay, and only what the constraints allow comes in.
 ///
@@ -17,12 +21,12 @@ const SOFTNESSES: [f64; 5] = [0.5, 0.2, 0.08, 0.03, 0.01];
 /// is.
 pub fn exchange(instance: &Instance, selected: Vec<usize>) -> Vec<usize> {
     let value = |selected: &Vec<usize>| instance.log_value(&instance.total(selected));
-    let mut best = descend(instance, selected.clone());
+    let mut best = ascend(instance, selected.clone(), usize::MAX);
     if !instance.is_smooth() {
         let mut current = selected;
         for softness in SOFTNESSES {
-            current = descend(&instance.softened(softness), current);
-            let candidate = descend(instance, current.clone());
+            current = ascend(&instance.softened(softness), current, SOFT_WIDTH);
+            let candidate = ascend(instance, current.clone(), usize::MAX);
             if value(&candidate) > value(&best) {
                 best = candidate;
             }
@@ -31,7 +35,8 @@ pub fn exchange(instance: &Instance, selected: Vec<usize>) -> Vec<usize> {
     best
 }
 
-fn descend(instance: &Instance, mut selected: Vec<usize>) -> Vec<usize> {
+/// The best swap with one of the `width` best scores, again and again until none gains.
+fn ascend(instance: &Instance, mut selected: Vec<usize>, width: usize) -> Vec<usize> {
     let rules = instance.rules();
     let mut total = instance.total(&selected);
     let mut open: Vec<bool> = (0..instance.len()).map(|i| instance.is_open(i)).collect();
@@ -46,7 +51,7 @@ fn descend(instance: &Instance, mut selected: Vec<usize>) -> Vec<usize> {
         selected.sort_unstable_by(|&a, &b| scores[a].total_cmp(&scores[b]).then(a.cmp(&b)));
         let leaving = || (0..selected.len()).filter(|&place| instance.is_open(selected[place]));
         let Some(lowest) = leaving().next().map(|place| scores[selected[place]]) else { break };
-        let mut incoming: Vec<usize> = (0..scores.len()).filter(|&j| open[j] && scores[j] > lowest).collect();
+        let mut incoming = highest(&scores, |j| open[j] && scores[j] > lowest, width.min(scores.len()));
         incoming.sort_unstable_by(|&a, &b| scores[b].total_cmp(&scores[a]).then(a.cmp(&b)));
         let mut best: Option<(usize, usize)> = None;
         let mut best_gain = LEAST_GAIN;

@@ -35,13 +35,12 @@ pub struct Refutation {
 pub enum NotEnough {
     /// Nothing can be selected.
     Selection(SelectionError),
-    /// Not even so many reach the level, the most that may be selected.
+    /// No selection that reaches the level was found.
     Never {
-        /// How many.
-        count: usize,
-        /// The best selection of so many that was found, ascending.
+        /// The best selection that was found, ascending: of the most that may be selected, unless constraints were in the way.
         selected: Vec<usize>,
-        /// No selection of so many has a greater log Φ.
+        /// No selection of the most that may be selected has a greater log Φ; ∞ where constraints were in the way, so that it is
+        /// not known.
         log_bound: f64,
     },
 }
@@ -69,7 +68,7 @@ pub fn fewest(
     observe: &mut dyn FnMut(&SearchProgress) -> ControlFlow<()>,
 ) -> Result<Fewest, NotEnough> {
     let fewest_allowed = instance.required().len().max(1);
-    let enough = first_enough(instance, level, fewest_allowed, most, settings)?;
+    let enough = first_enough(instance, level, fewest_allowed, most, settings, seed)?;
 
     // The least number whose bound reaches the level.
     let bound = |count: usize| -> Result<Option<Certificate>, SelectionError> {
@@ -130,6 +129,7 @@ fn first_enough(
     fewest: usize,
     most: usize,
     settings: &RelaxationSettings,
+    seed: u64,
 ) -> Result<Vec<usize>, NotEnough> {
     let open = (0..instance.len()).filter(|&i| instance.is_open(i)).count();
     let most = most.min(instance.required().len() + open).max(fewest);
@@ -142,9 +142,8 @@ fn first_enough(
                 count = (count + count.div_ceil(2)).min(most);
                 continue;
             }
-            // No room for more.
-            Err(SelectionError::DeadEnd { selected, .. }) if selected >= fewest && selected < count => {
-                return first_enough(instance, level, selected, selected, settings);
+            Err(SelectionError::DeadEnd { selected, .. }) if (fewest..count).contains(&selected) => {
+                return in_narrow_room(instance, level, fewest, selected, settings, seed);
             }
             Err(error) => return Err(error.into()),
         };
@@ -156,10 +155,35 @@ fn first_enough(
             if larger.log_value(&larger.total(&improved)) >= level {
                 return Ok(improved);
             }
-            let log_bound =
-                relax(&larger, &improved, settings).map_or(f64::INFINITY, |found| found.certificate.log_bound);
-            return Err(NotEnough::Never { count, selected: improved, log_bound });
+            let bounded = relax(&larger, &improved, settings);
+            let log_bound = bounded.map_or(f64::INFINITY, |relaxed| relaxed.certificate.log_bound);
+            return Err(NotEnough::Never { selected: improved, log_bound });
         }
         count = (count + count.div_ceil(2)).min(most);
+    }
+}
+
+/// The same where constraints let greedy place no more than `most`: fewer, well placed, may do.
+fn in_narrow_room(
+    instance: &Instance,
+    level: f64,
+    fewest: usize,
+    most: usize,
+    settings: &RelaxationSettings,
+    seed: u64,
+) -> Result<Vec<usize>, NotEnough> {
+    let mut closest: Option<Best> = None;
+    for count in (fewest..=most).rev() {
+        let Ok(found) = best(&instance.with_count(count)?, settings, seed) else { continue };
+        if found.log_value >= level {
+            return Ok(found.selected);
+        }
+        if closest.as_ref().is_none_or(|closest| found.log_value > closest.log_value) {
+            closest = Some(found);
+        }
+    }
+    match closest {
+        Some(closest) => Err(NotEnough::Never { selected: closest.selected, log_bound: f64::INFINITY }),
+        None => Err(SelectionError::DeadEnd { selected: most, count: most + 1 }.into()),
     }
 }

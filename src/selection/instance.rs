@@ -149,7 +149,7 @@ pub enum SelectionError {
         available: usize,
     },
     /// The constraints left no candidate to go on with.
-    #[error("after {selected} of {count} candidates the constraints allow no other")]
+    #[error("after {selected} of {count} candidates, picked one by one, the constraints allow no other")]
     DeadEnd {
         /// Number selected.
         selected: usize,

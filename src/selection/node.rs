@@ -115,9 +115,10 @@ impl Face<'_> {
         for _ in 0..MAX_STEPS {
             let gradient = self.instance.gradient(&total)?;
             let scores = self.instance.scores_of(&gradient.y, self.open);
-            let greatest: f64 = greatest(&scores, self.count).iter().map(|&c| scores[c]).sum();
+            let chosen = greatest(&scores, self.count);
+            let greatest: f64 = chosen.iter().map(|&c| scores[c]).sum();
             let gap = greatest - inner(&scores, &self.weights);
-            self.improve(best, &gradient, &scores, greatest);
+            self.improve(best, &gradient, &scores, &chosen);
             if best.log_bound <= enough || gap <= tolerance {
                 break;
             }
@@ -151,8 +152,12 @@ impl Face<'_> {
     }
 
     /// Keeps the bound that the gradient proves if it is the best.
-    fn improve(&self, best: &mut Relaxed, gradient: &Gradient, scores: &[f64], greatest: f64) {
+    fn improve(&self, best: &mut Relaxed, gradient: &Gradient, scores: &[f64], chosen: &[usize]) {
         let dual = self.instance.dual(&gradient.y);
+        // Rounding of the scores that count, as in the certificate.
+        let terms = chosen.iter().flat_map(|&c| self.instance.products(&dual, self.open[c]).map(f64::abs));
+        let rounding = dual.len() as f64 * f64::EPSILON * terms.sum::<f64>();
+        let greatest = rounding + chosen.iter().map(|&c| scores[c]).sum::<f64>();
         let known_score: f64 = self.known.iter().zip(&dual).map(|(m, y)| m * y).sum();
         let log_polar = self.instance.log_polar(gradient);
         let log_bound = (known_score + greatest).ln() - log_polar + ROUNDING;

@@ -231,6 +231,11 @@ fn work(ladder: &Ladder, node: Node, threshold: f64) -> Outcome {
             outcome.settled = log_bound;
             return outcome;
         };
+        if !relaxed.log_bound.is_finite() {
+            // Its gradients bound nothing, and its scores fix nothing.
+            outcome.settled = log_bound;
+            return outcome;
+        }
         log_bound = log_bound.min(relaxed.log_bound);
         if log_bound <= threshold {
             return outcome;

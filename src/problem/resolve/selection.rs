@@ -125,6 +125,12 @@ impl Check<'_, '_> {
             let region = self.region(&at.key("joints"), &group.joints, joints);
             groups.push(PoseGroup { name, region, most: group.most as usize });
         }
+        let turns = joints.is_empty() || joints.iter().any(|joint| joint.kind == JointKind::Revolute);
+        if constraints.joint_separation_deg.is_some() && !turns {
+            let to = "an arm without revolute joints".into();
+            let reason = Reason::NotApplicable { to, instead: "use `view_separation_deg`".into() };
+            self.fault(&at.key("joint_separation_deg"), reason);
+        }
         let mut separation = |key: &str, degrees: Option<f64>, most: f64| {
             degrees.map_or(0.0, |degrees| self.angle(&at.key(key), degrees, Allowed::between(0.0, most)))
         };
