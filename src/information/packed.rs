@@ -112,7 +112,8 @@ pub fn whiten(l: &[f64], p: usize, c: &mut [f64]) {
     }
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+/// `Σ aᵢ bᵢ`.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 

@@ -36,7 +36,9 @@ pub fn best(instance: &Instance, settings: &RelaxationSettings, seed: u64) -> Re
     let mut tried = vec![best.selected.clone()];
     for round in 0..=if instance.is_smooth() { ROUNDINGS } else { ROUNDINGS_AT_KINKS } {
         let order = if round == 0 { best.relaxation.by_weight() } else { best.relaxation.drawn_by_weight(&mut rng) };
-        let Some(rounded) = first_allowed(instance, &order).filter(|rounded| !tried.contains(rounded)) else {
+        let Some(rounded) =
+            first_allowed(instance, instance.required(), &order).filter(|rounded| !tried.contains(rounded))
+        else {
             continue;
         };
         tried.push(rounded.clone());
@@ -50,11 +52,11 @@ pub fn best(instance: &Instance, settings: &RelaxationSettings, seed: u64) -> Re
     Ok(best)
 }
 
-/// The first candidates in `order` that the constraints allow beside those before them, as many as asked for, ascending;
-/// `None` if there are too few.
-pub(super) fn first_allowed(instance: &Instance, order: &[usize]) -> Option<Vec<usize>> {
+/// `included` and the first candidates in `order` that the constraints allow beside those before them, as many as asked for
+/// in all, ascending; `None` if there are too few.
+pub(super) fn first_allowed(instance: &Instance, included: &[usize], order: &[usize]) -> Option<Vec<usize>> {
     let rules = instance.rules();
-    let mut selected = instance.required().to_vec();
+    let mut selected = included.to_vec();
     for &i in order {
         if selected.len() == instance.count() {
             break;
@@ -90,6 +92,6 @@ impl Relaxation {
     /// The candidates of largest weight that the constraints of `instance` allow together, ascending; `None` if those of
     /// positive weight are too few.
     pub fn rounded(&self, instance: &Instance) -> Option<Vec<usize>> {
-        first_allowed(instance, &self.by_weight())
+        first_allowed(instance, instance.required(), &self.by_weight())
     }
 }

@@ -9,6 +9,7 @@ use nalgebra::{DMatrix, DVector};
 use super::curvature::Curvature;
 use super::function::Gradient;
 use super::instance::Instance;
+use crate::information::packed::dot;
 
 /// Weights this close to 0 or 1 are there.
 const BOUNDARY: f64 = 1e-9;
@@ -117,7 +118,7 @@ impl Face<'_> {
             let scores = self.instance.scores_of(&gradient.y, self.open);
             let chosen = greatest(&scores, self.count);
             let greatest: f64 = chosen.iter().map(|&c| scores[c]).sum();
-            let gap = greatest - inner(&scores, &self.weights);
+            let gap = greatest - dot(&scores, &self.weights);
             self.improve(best, &gradient, &scores, &chosen);
             if best.log_bound <= enough || gap <= tolerance {
                 break;
@@ -278,8 +279,4 @@ pub(super) fn greatest(numbers: &[f64], count: usize) -> Vec<usize> {
         places.truncate(count);
     }
     places
-}
-
-fn inner(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -28,6 +28,8 @@ use super::curvature::Curvature;
 use super::function::Gradient;
 use super::greedy::highest;
 use super::instance::Instance;
+use super::node::greatest;
+use crate::information::packed::dot;
 
 /// When to stop, and how many columns to carry.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -240,7 +242,7 @@ impl<'a> Master<'a> {
             }
         }
         let free = self.instance.count() - self.instance.required().len();
-        capped + sum_of_largest(reduced, free) - inner(gradient, &self.weights)
+        capped + greatest(&reduced, free).iter().map(|&c| reduced[c]).sum::<f64>() - dot(gradient, &self.weights)
     }
 
     /// The same over all candidates, which tells whether columns are missing.
@@ -251,7 +253,7 @@ impl<'a> Master<'a> {
         let capped: f64 = self.prices.iter().map(|&(c, price)| price * rules.caps[c].most as f64).sum();
         let own = self.instance.scores_of(&gradient.y, &self.columns);
         let required: f64 = self.instance.required().iter().map(|&i| scores[i]).sum();
-        capped + greatest.iter().map(|&i| reduced[i]).sum::<f64>() - inner(&own, &self.weights) - required
+        capped + greatest.iter().map(|&i| reduced[i]).sum::<f64>() - dot(&own, &self.weights) - required
     }
 
     /// Newton's method until no weights on the working set promise more than `tolerance`, to first order; whether it got
@@ -278,7 +280,7 @@ impl<'a> Master<'a> {
             let Some(target) = self.newton_target(&gradient, &curvature, &rows) else { return false };
             self.newton_steps += 1;
             let direction: Vec<f64> = target.iter().zip(&self.weights).map(|(t, w)| t - w).collect();
-            let slope = inner(&direction, &gradient);
+            let slope = dot(&direction, &gradient);
             let before = self.instance.log_value(&total);
             let moved = |length: f64| -> Vec<f64> {
                 self.weights.iter().zip(&direction).map(|(w, d)| w + length * d).collect()
@@ -366,17 +368,4 @@ impl<'a> Master<'a> {
             _ => None,
         }
     }
-}
-
-/// Sum of the `count` largest numbers.
-fn sum_of_largest(mut numbers: Vec<f64>, count: usize) -> f64 {
-    if count < numbers.len() {
-        numbers.select_nth_unstable_by(count, |a, b| b.total_cmp(a));
-        numbers.truncate(count);
-    }
-    numbers.iter().sum()
-}
-
-fn inner(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -11,7 +11,7 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
-use super::best::Best;
+use super::best::{Best, first_allowed};
 use super::exchange::exchange;
 use super::function::Gradient;
 use super::instance::Instance;
@@ -240,7 +240,7 @@ fn work(ladder: &Ladder, node: Node, threshold: f64) -> Outcome {
         if log_bound <= threshold {
             return outcome;
         }
-        if let Some(found) = rounded(instance, &included, &open, &relaxed.weights, free, threshold) {
+        if let Some(found) = rounded(instance, &included, &open, &relaxed.weights, threshold) {
             outcome.consider(found);
         }
         let Some(fixed) = fix(instance, &relaxed, &included, &open, free, threshold) else { return outcome };
@@ -351,25 +351,12 @@ fn rounded(
     included: &[usize],
     open: &[usize],
     weights: &[f64],
-    free: usize,
     threshold: f64,
 ) -> Option<(f64, Vec<usize>)> {
-    let mut order: Vec<usize> = (0..open.len()).collect();
-    order.sort_unstable_by(|&a, &b| weights[b].total_cmp(&weights[a]).then(a.cmp(&b)));
-    let rules = instance.rules();
-    let mut selected = included.to_vec();
-    for c in order {
-        if selected.len() == included.len() + free {
-            break;
-        }
-        if rules.is_free() || rules.allows(&selected, None, open[c]) {
-            selected.push(open[c]);
-        }
-    }
-    if selected.len() < included.len() + free {
-        return None;
-    }
-    selected.sort_unstable();
+    let mut places: Vec<usize> = (0..open.len()).collect();
+    places.sort_unstable_by(|&a, &b| weights[b].total_cmp(&weights[a]).then(a.cmp(&b)));
+    let order: Vec<usize> = places.into_iter().map(|c| open[c]).collect();
+    let selected = first_allowed(instance, included, &order)?;
     let value = instance.log_value(&instance.total(&selected));
     if value > threshold {
         let improved = exchange(instance, selected.clone());
