@@ -231,6 +231,51 @@ fn the_search_finds_what_exhaustion_finds() {
     }
 }
 
+/// A search that is stopped returns what it has, with a bound that holds.
+#[test]
+fn a_search_that_is_stopped_has_a_bound() {
+    let mut stopped = 0;
+    for seed in 0..SEEDS {
+        let case = Case::random(seed);
+        let Some(instance) = case.instance() else { continue };
+        let Ok(start) = best(&instance, &RelaxationSettings::default(), seed) else { continue };
+        let optimum = case.optimum(&instance);
+        let by_observer = search(&instance, &start, f64::NEG_INFINITY, 100_000, &mut |_| ControlFlow::Break(()));
+        let by_limit = search(&instance, &start, f64::NEG_INFINITY, 0, &mut |_| ControlFlow::Continue(()));
+        for (found, end) in [(by_observer, SearchEnd::Stopped), (by_limit, SearchEnd::NodeLimit)] {
+            assert!(found.end == end || found.end == SearchEnd::Optimal, "seed {seed}: {found:?}");
+            assert_eq!(found.selected, start.selected, "seed {seed}");
+            assert!(found.log_bound >= optimum, "seed {seed}: {} {optimum}", found.log_bound);
+            stopped += usize::from(found.end == end);
+        }
+    }
+    assert!(stopped > 100, "{stopped}");
+}
+
+/// Greedy scores lazily and evaluates what bounds leave; its picks are those of trying every candidate in every step.
+#[test]
+fn greedy_picks_what_a_full_search_picks() {
+    for seed in 0..60 {
+        let mut rng = Xoshiro256Plus::seed_from_u64(seed);
+        let mut term = OwnedTerm::random(&mut rng, seed % 3, 80, 12, 1.0);
+        // From the first pick on the sets are regular, so that there is no ridge to imitate.
+        let p = term.candidates.order();
+        let mean = DMatrix::from_fn(p, p, |i, j| (0..80).map(|c| term.candidates.matrix(c)[(i, j)]).sum::<f64>());
+        term.prior = Some(mean);
+        let instance = Instance::new(&term.candidates, term.prior.as_ref(), &term.function, 12).unwrap();
+        let mut picked: Vec<usize> = vec![];
+        while picked.len() < 12 {
+            let with = |i: usize| value(&instance, &[picked.as_slice(), &[i]].concat());
+            let others = (0..80).filter(|i| !picked.contains(i));
+            picked.push(others.max_by(|&a, &b| with(a).total_cmp(&with(b)).then(b.cmp(&a))).unwrap());
+        }
+        let found = greedy(&instance).unwrap();
+        // Ties, and the ridge's last digits, may turn the order of two picks.
+        let difference = value(&instance, &found) - value(&instance, &picked);
+        assert!(found == picked || difference.abs() < 1e-6, "seed {seed}: {found:?} {picked:?} {difference:e}");
+    }
+}
+
 /// The fewest candidates that reach a level, against exhaustion over every number.
 #[test]
 fn no_fewer_reach_the_level() {

@@ -6,10 +6,9 @@ use clap::Args;
 
 use super::failure::Failure;
 use super::planned::Planned;
-use super::screen::{Screen, short, table};
+use super::screen::{Screen, joint_columns, short, table};
 use crate::plan::{CombinationTerm, ExplainSettings, Explanation, PoseExplanation, explain};
 use crate::problem::Problem;
-use crate::robot::JointKind;
 
 #[derive(Debug, Args)]
 pub(super) struct ExplainArguments {
@@ -124,10 +123,7 @@ fn pose_table(poses: &[PoseExplanation]) -> String {
 }
 
 fn spare_table(problem: &Problem, poses: &[PoseExplanation]) -> String {
-    let joints = problem.robot.chain.joints.iter().map(|joint| {
-        let unit = if joint.kind == JointKind::Prismatic { "mm" } else { "deg" };
-        format!("{} [{unit}]", joint.name)
-    });
+    let joints = joint_columns(&problem.robot.chain.joints);
     let header: Vec<String> = ["pose", "spare"]
         .map(String::from)
         .into_iter()

@@ -7,7 +7,7 @@ use clap::Args;
 use serde_json::json;
 
 use super::failure::Failure;
-use super::screen::{Screen, grouped, short, table};
+use super::screen::{Screen, grouped, joint_columns, short, table};
 use super::searching::searching;
 use super::{Overrides, TableFormat, WRITING, method, trials, verify as verify_command};
 use crate::plan::{
@@ -276,10 +276,7 @@ pub(super) fn what_views_do(problem: &Problem) -> &'static str {
 
 /// The poses in degrees and mm, one a row.
 pub(super) fn pose_table(problem: &Problem, poses: &[PlannedPose]) -> String {
-    let joints = problem.robot.chain.joints.iter().map(|joint| {
-        let unit = if joint.kind == crate::robot::JointKind::Prismatic { "mm" } else { "deg" };
-        format!("{} [{unit}]", joint.name)
-    });
+    let joints = joint_columns(&problem.robot.chain.joints);
     let header: Vec<String> = std::iter::once("pose".into())
         .chain(joints)
         .chain(["tilt [deg]", "distance [mm]", "share [%]"].map(String::from))

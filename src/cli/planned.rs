@@ -6,7 +6,6 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use super::failure::Failure;
 use super::screen::Screen;
-use crate::information::Criterion;
 use crate::plan::{Chooser, Plan, RecallError, Survey, candidates};
 use crate::problem::Problem;
 
@@ -58,11 +57,8 @@ impl Planned {
             ));
         }
         // The command line may have asked for something else than the file; candidates are refined for what was asked.
-        let criterion = |name: &str| Criterion::ALL.into_iter().find(|criterion| criterion.name() == name);
-        let terms = plan.certificate.terms.iter();
-        let criteria: Option<Vec<_>> = terms.map(|term| Some((criterion(&term.criterion)?, term.share))).collect();
-        if plan.fewest.is_none() {
-            problem.selection.criteria = criteria.unwrap_or(problem.selection.criteria);
+        if let Some(criteria) = plan.criteria() {
+            problem.selection.criteria = criteria;
             problem.selection.count = plan.count;
         }
         problem.selection.seed = plan.seed;

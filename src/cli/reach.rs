@@ -7,10 +7,10 @@ use nalgebra::{Quaternion, UnitQuaternion};
 use serde_json::json;
 
 use super::failure::Failure;
-use super::screen::{Screen, short, table};
-use crate::plan::{Pose as PoseDocument, reach_starts};
+use super::screen::{Screen, joint_columns, short, table};
+use crate::plan::{Pose as PoseDocument, joints_deg, reach_starts};
 use crate::problem::Problem;
-use crate::robot::{JointKind, ReachSettings, Reached, reach};
+use crate::robot::{ReachSettings, Reached, reach};
 use crate::spatial::Pose;
 use crate::target::viewpoint;
 
@@ -146,21 +146,11 @@ pub(super) fn run(arguments: &ReachArguments, screen: &mut Screen) -> Result<(),
     }
 }
 
-/// Joint values in degrees or mm.
-fn joint_values(problem: &Problem, configuration: &Reached) -> Vec<f64> {
-    let joints = problem.robot.chain.joints.iter().zip(&configuration.q);
-    let in_unit = |(joint, q): (&crate::robot::Joint, &f64)| match joint.kind {
-        JointKind::Revolute => q.to_degrees(),
-        JointKind::Prismatic => q * 1e3,
-    };
-    joints.map(in_unit).collect()
-}
-
 fn document(problem: &Problem, wished: &Pose, found: &[Reached]) -> serde_json::Value {
     let configuration = |configuration: &Reached| {
         json!({
             "joints_rad": configuration.q,
-            "joints_deg": joint_values(problem, configuration),
+            "joints_deg": joints_deg(&problem.robot.chain, &configuration.q),
             "reached": configuration.reached,
             "position_error_m": configuration.position_error,
             "angle_error_deg": configuration.angle_error.to_degrees(),
@@ -185,14 +175,11 @@ fn hundredths(value: f64) -> String {
 }
 
 fn configurations(problem: &Problem, found: &[Reached]) -> String {
-    let joints = problem.robot.chain.joints.iter().map(|joint| {
-        let unit = if joint.kind == JointKind::Revolute { "deg" } else { "mm" };
-        format!("{} [{unit}]", joint.name)
-    });
+    let joints = joint_columns(&problem.robot.chain.joints);
     let errors = ["limit margin [%]", "position off [mm]", "angle off [deg]"].map(String::from);
     let header: Vec<String> = joints.chain(errors).collect();
     let row = |configuration: &Reached| {
-        let values = joint_values(problem, configuration).into_iter().map(hundredths);
+        let values = joints_deg(&problem.robot.chain, &configuration.q).into_iter().map(hundredths);
         let off = |error: f64| if error < 5e-7 { "0".to_owned() } else { short(error) };
         let errors = [
             format!("{:.0}", configuration.limit_margin * 100.0),

@@ -7,6 +7,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use miette::{GraphicalReportHandler, GraphicalTheme};
 
 use super::failure::Failure;
+use crate::robot::{Joint, JointKind};
 
 pub(super) struct Screen {
     quiet: bool,
@@ -100,6 +101,14 @@ pub(super) fn table(header: &[&str], rows: &[Vec<String>]) -> String {
         column.set_cell_alignment(if i == 0 { CellAlignment::Left } else { CellAlignment::Right });
     }
     table.lines().map(|line| line.trim_end().to_owned()).collect::<Vec<_>>().join("\n")
+}
+
+/// Headings of the joints' columns, with their units.
+pub(super) fn joint_columns(joints: &[Joint]) -> impl Iterator<Item = String> {
+    joints.iter().map(|joint| {
+        let unit = if joint.kind == JointKind::Prismatic { "mm" } else { "deg" };
+        format!("{} [{unit}]", joint.name)
+    })
 }
 
 /// A count with thin groups of three digits, as in 502 656.

@@ -7,10 +7,13 @@ use nalgebra::{DMatrix, DVector};
 use thiserror::Error;
 
 use super::choice::{Chooser, PlanError};
-use super::document::{CertificateDocument, Plan, PlannedPose, Price};
+use super::document::{Plan, PlannedPose};
+use super::objective::Checked;
+use super::proof::{CertificateDocument, FewestDocument, Price};
+use super::recall::RecallError;
 use super::survey::Survey;
-use crate::information::{Criterion, InformationSet};
-use crate::problem::{Accuracy, Problem};
+use crate::information::Criterion;
+use crate::problem::Problem;
 use crate::selection::{Cap, Constraints, Separation};
 
 /// Numbers that are the same agree to this share: they are sums of the same terms in another order.
@@ -46,18 +49,6 @@ pub enum CertifyError {
         /// The plan's value.
         value: f64,
     },
-    /// A pose is not one of the candidates.
-    #[error("pose {id} is not among the configurations that see the board, or its joint values are others")]
-    Pose {
-        /// Its id.
-        id: usize,
-    },
-    /// A pose occurs twice.
-    #[error("pose {id} occurs twice")]
-    Twice {
-        /// Its id.
-        id: usize,
-    },
     /// The poses break a constraint.
     #[error("the poses break a constraint of the problem file")]
     Constraints,
@@ -78,6 +69,9 @@ pub enum CertifyError {
         /// The number of poses.
         count: usize,
     },
+    /// The plan does not fit the problem's candidates.
+    #[error(transparent)]
+    Recall(#[from] RecallError),
     /// The problem has no plan any more.
     #[error(transparent)]
     Plan(#[from] PlanError),
@@ -104,17 +98,17 @@ pub struct Confirmed {
 /// # Errors
 /// When anything is not as the plan says.
 pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confirmed, CertifyError> {
-    let problem = &asked_for(plan, problem)?;
-    let chooser = Chooser::new(problem, survey)?;
-    let chooser = if plan.fewest.is_some() { chooser.by_accuracies() } else { chooser };
+    let (chooser, selected) = plan.recall(problem, survey)?;
     if plan.criterion != chooser.criterion() {
         return Err(CertifyError::Criterion { stated: plan.criterion.clone(), found: chooser.criterion() });
     }
     let terms: Vec<Checked> = chooser.objective().terms(problem, survey);
-    let selected = views_of(plan, problem, survey)?;
     number("the number of poses", plan.count as f64, selected.len() as f64)?;
     if !is_allowed(chooser.constraints(), &selected) {
         return Err(CertifyError::Constraints);
+    }
+    for (pose, &place) in plan.poses.iter().zip(&selected) {
+        is_that_view(pose, &PlannedPose::new(problem, &survey.views[place], pose.share))?;
     }
 
     let value: f64 = terms.iter().map(|term| term.share * term.log_value(&selected)).sum();
@@ -146,60 +140,48 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
     number("the efficiency", plan.efficiency, (value - chooser.log_of(plan.bound)).exp())?;
     number("the number of candidates", plan.candidates.kept as f64, survey.views.len() as f64)?;
 
-    let mut least = None;
-    if let Some(fewest) = &plan.fewest {
-        if value < -SAME {
-            return Err(CertifyError::Accuracy { value: chooser.natural(value) });
-        }
-        let reached = chooser.reached(&chooser.assess(selected.clone()));
-        for (wish, (_, reached, _)) in fewest.accuracies.iter().zip(&reached) {
-            number("an accuracy reached", wish.reached, *reached)?;
-        }
-        if fewest.refutation.is_none() && fewest.least > chooser.constraints().required.len().max(1) {
-            return Err(CertifyError::Refutation { count: fewest.least - 1 });
-        }
-    }
-    if let Some(fewest) = &plan.fewest
-        && let Some(refutation) = &fewest.refutation
-    {
-        let count = fewest.least.saturating_sub(1);
-        let bound = log_bound(refutation, &terms, &chooser, count)?;
-        number("the refutation's bound", refutation.bound, chooser.natural(bound))?;
-        if bound >= 0.0 && fewest.nodes == 0 {
-            return Err(CertifyError::Refutation { count });
-        }
-        least = (bound < 0.0).then_some(fewest.least);
-    }
+    let least = match &plan.fewest {
+        Some(fewest) => proven_least(fewest, value, &terms, &chooser, &selected)?,
+        None => None,
+    };
     let (value, bound) = (chooser.natural(value), chooser.natural(bound));
     Ok(Confirmed { candidates: survey.views.len(), value, bound, efficiency, least })
 }
 
-/// The problem with the criteria or accuracies that the plan was made for.
-fn asked_for(plan: &Plan, problem: &Problem) -> Result<Problem, CertifyError> {
-    let mut problem = problem.clone();
-    let unknown = |name: &str| CertifyError::Criterion { stated: name.into(), found: "none of that name".into() };
-    let wished = std::mem::take(&mut problem.selection.accuracies);
-    if let Some(fewest) = &plan.fewest {
-        let names = problem.estimated_names();
-        for wish in &fewest.accuracies {
-            let accuracy = match names.iter().position(|name| *name == wish.name) {
-                Some(j) => Accuracy::Intrinsic(j),
-                None if wish.name == "map_error_px" => Accuracy::MapError,
-                None => return Err(unknown(&wish.name)),
-            };
-            problem.selection.accuracies.push((accuracy, wish.wished));
-        }
-        if problem.selection.accuracies != wished {
+/// Checks that the poses reach the accuracies that the problem wishes for and that fewer are proven not to; the least number
+/// that may, where a matrix alone proves it.
+fn proven_least(
+    fewest: &FewestDocument,
+    log_value: f64,
+    terms: &[Checked],
+    chooser: &Chooser,
+    selected: &[usize],
+) -> Result<Option<usize>, CertifyError> {
+    let reached = chooser.reached(&chooser.assess(selected.to_vec()));
+    if reached.len() != fewest.accuracies.len() {
+        return Err(CertifyError::Wishes);
+    }
+    for (stated, found) in fewest.accuracies.iter().zip(&reached) {
+        if stated.name != found.name || stated.wished != found.wished {
             return Err(CertifyError::Wishes);
         }
-        return Ok(problem);
+        number("an accuracy reached", stated.reached, found.reached)?;
     }
-    problem.selection.criteria.clear();
-    for term in &plan.certificate.terms {
-        let criterion = Criterion::ALL.into_iter().find(|criterion| criterion.name() == term.criterion);
-        problem.selection.criteria.push((criterion.ok_or_else(|| unknown(&term.criterion))?, term.share));
+    if log_value < -SAME {
+        return Err(CertifyError::Accuracy { value: chooser.natural(log_value) });
     }
-    Ok(problem)
+    let count = fewest.least.saturating_sub(1);
+    let Some(refutation) = &fewest.refutation else {
+        // Without a proof only those are out that cannot be chosen.
+        let can_be_chosen = count >= chooser.constraints().required.len().max(1);
+        return if can_be_chosen { Err(CertifyError::Refutation { count }) } else { Ok(None) };
+    };
+    let bound = log_bound(refutation, terms, chooser, count)?;
+    number("the refutation's bound", refutation.bound, chooser.natural(bound))?;
+    if bound >= 0.0 && fewest.nodes == 0 {
+        return Err(CertifyError::Refutation { count });
+    }
+    Ok((bound < 0.0).then_some(fewest.least))
 }
 
 fn number(what: &'static str, stated: f64, found: f64) -> Result<(), CertifyError> {
@@ -207,30 +189,19 @@ fn number(what: &'static str, stated: f64, found: f64) -> Result<(), CertifyErro
     if same { Ok(()) } else { Err(CertifyError::Number { what, stated, found }) }
 }
 
-/// The poses' places among the views; their joint values must be the views'.
-fn views_of(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Vec<usize>, CertifyError> {
-    let mut selected = Vec::new();
-    for pose in &plan.poses {
-        let foreign = || CertifyError::Pose { id: pose.id };
-        let place = survey.views.binary_search_by_key(&pose.id, |view| view.id).map_err(|_| foreign())?;
-        let same = pose.joints_rad.iter().zip(&survey.views[place].q).all(|(a, b)| (a - b).abs() <= 1e-12);
-        if !same || pose.joints_rad.len() != problem.robot.chain.dof() {
-            return Err(foreign());
+/// What the plan says of a pose for people, held against what its view says.
+fn is_that_view(stated: &PlannedPose, found: &PlannedPose) -> Result<(), CertifyError> {
+    number("the number of a pose's joints", stated.joints_deg.len() as f64, found.joints_deg.len() as f64)?;
+    let numbers = |pose: &PlannedPose| {
+        let joints = pose.joints_deg.clone();
+        joints.into_iter().chain([pose.tilt_deg, pose.distance_m]).collect::<Vec<_>>()
+    };
+    for (stated, found) in numbers(stated).into_iter().zip(numbers(found)) {
+        if (stated - found).abs() > 1e-9 {
+            return Err(CertifyError::Number { what: "a pose's number", stated, found });
         }
-        let found = PlannedPose::new(problem, &survey.views[place], pose.share);
-        let pairs = pose.joints_deg.iter().zip(&found.joints_deg);
-        for (stated, found) in pairs.chain([(&pose.tilt_deg, &found.tilt_deg), (&pose.distance_m, &found.distance_m)]) {
-            if (stated - found).abs() > 1e-9 {
-                return Err(CertifyError::Number { what: "a pose's number", stated: *stated, found: *found });
-            }
-        }
-        number("the number of a pose's joints", pose.joints_deg.len() as f64, found.joints_deg.len() as f64)?;
-        if selected.contains(&place) {
-            return Err(CertifyError::Twice { id: pose.id });
-        }
-        selected.push(place);
     }
-    Ok(selected)
+    Ok(())
 }
 
 fn is_allowed(constraints: &Constraints, selected: &[usize]) -> bool {
@@ -260,16 +231,6 @@ fn predictions(plan: &Plan, problem: &Problem, survey: &Survey, M: &DMatrix<f64>
         number("a predicted sigma", stated, covariance[(j, j)].sqrt())?;
     }
     number("the number of sigmas", plan.intrinsics.sigma.len() as f64, problem.estimated.len() as f64)
-}
-
-/// A term of the objective, as the definitions have it.
-pub(super) struct Checked<'a> {
-    pub(super) criterion: Option<Criterion>,
-    pub(super) share: f64,
-    pub(super) candidates: &'a InformationSet,
-    pub(super) prior: DMatrix<f64>,
-    /// The weights W of variances: one, or one for each accuracy; none for other criteria.
-    pub(super) weights: Vec<DMatrix<f64>>,
 }
 
 impl Checked<'_> {

@@ -7,6 +7,7 @@ use thiserror::Error;
 
 use super::allowed::{ConstraintError, constraints, known};
 use super::objective::Objective;
+use super::proof::AccuracyDocument;
 use super::survey::{Survey, SurveyError};
 use crate::information::Criterion;
 use crate::information::packed::{pack, packed_len, unpack};
@@ -47,8 +48,8 @@ pub enum PlanError {
     Inaccurate {
         /// Poses of the best set found.
         count: usize,
-        /// Of each accuracy that is missed its name, what the best set found reaches, and what is wished.
-        shortfalls: Vec<(String, f64, f64)>,
+        /// The accuracies that it misses.
+        shortfalls: Vec<AccuracyDocument>,
         /// Share of the accuracy that no set of so many surpasses: below 1 it is proven that none suffices; infinite if nothing is
         /// known.
         bound: f64,
@@ -88,9 +89,11 @@ fn describe_reach(count: usize, bound: f64) -> String {
     }
 }
 
-fn describe_shortfalls(shortfalls: &[(String, f64, f64)]) -> String {
-    let each =
-        shortfalls.iter().map(|(name, reached, wished)| format!("{name} is {reached:.4} where {wished} is wished"));
+fn describe_shortfalls(shortfalls: &[AccuracyDocument]) -> String {
+    let each = shortfalls.iter().map(|AccuracyDocument { name, wished, reached }| {
+        let what = if name == "map_error_px" { "the map error in px".into() } else { format!("sigma of {name}") };
+        format!("{what} is {reached:.4} where {wished} is wished")
+    });
     each.collect::<Vec<_>>().join(", ")
 }
 
@@ -259,7 +262,10 @@ impl<'a> Chooser<'a> {
             NotEnough::Selection(error) => chooser.explain(error),
             NotEnough::Never { selected, log_bound } => PlanError::Inaccurate {
                 count: selected.len(),
-                shortfalls: chooser.shortfalls(&chooser.assess(selected)),
+                shortfalls: {
+                    let reached = chooser.reached(&chooser.assess(selected)).into_iter();
+                    reached.filter(|accuracy| accuracy.reached > accuracy.wished).collect()
+                },
                 // Φ is of variances, the accuracies of their roots.
                 bound: (0.5 * log_bound).exp(),
             },
@@ -268,18 +274,14 @@ impl<'a> Chooser<'a> {
         Ok((chooser.assess(found.best.selected.clone()), found, chooser))
     }
 
-    /// Accuracies wished for that a choice misses: name, reached, wished.
-    fn shortfalls(&self, choice: &Choice) -> Vec<(String, f64, f64)> {
-        self.reached(choice).into_iter().filter(|(_, reached, wished)| reached > wished).collect()
-    }
-
-    /// The accuracies wished for, in the problem's order: name, reached, wished.
-    pub(super) fn reached(&self, choice: &Choice) -> Vec<(String, f64, f64)> {
+    /// The accuracies that the problem wishes for, in its order, and what a choice reaches.
+    pub(super) fn reached(&self, choice: &Choice) -> Vec<AccuracyDocument> {
         let names = self.problem.estimated_names();
         let reached = |&(accuracy, wished): &(Accuracy, f64)| match accuracy {
-            Accuracy::MapError => ("the map error in px".to_owned(), choice.map_error, wished),
+            Accuracy::MapError => AccuracyDocument { name: "map_error_px".into(), wished, reached: choice.map_error },
             Accuracy::Intrinsic(j) => {
-                (format!("sigma of {}", names[j]), choice.sigma.get(j).copied().unwrap_or(f64::INFINITY), wished)
+                let reached = choice.sigma.get(j).copied().unwrap_or(f64::INFINITY);
+                AccuracyDocument { name: names[j].into(), wished, reached }
             }
         };
         self.problem.selection.accuracies.iter().map(reached).collect()

@@ -4,14 +4,13 @@ use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::choice::{Choice, Chooser, PlanError};
+use super::choice::{Chooser, PlanError};
 use super::make::Made;
+use super::proof::{CertificateDocument, FewestDocument, SearchDocument};
 use crate::feasibility::{Rejection, View};
-use crate::information::Criterion;
-use crate::information::packed::{packed_len, unpack};
-use crate::problem::{Accuracy, Problem};
-use crate::robot::JointKind;
-use crate::selection::{Certificate, Method, SearchEnd};
+use crate::problem::Problem;
+use crate::robot::{Chain, Joint, JointKind};
+use crate::selection::{Method, SearchEnd};
 use crate::target::Corners;
 
 /// Value of the key `format`.
@@ -130,78 +129,6 @@ pub struct Intrinsics {
     pub sigma: Vec<f64>,
 }
 
-/// The numbers that prove a bound: scores `Σ_t ⟨Y_t, M_ti⟩` less the prices of the caps, see the book's page "The method".
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct CertificateDocument {
-    /// The bound that they prove, as [`Plan::bound`].
-    pub bound: f64,
-    /// One term per criterion.
-    pub terms: Vec<CertificateTerm>,
-    /// For accuracies, the mixture λ of the names' variances that the bound is taken for.
-    #[serde(skip_serializing_if = "Vec::is_empty", default)]
-    pub mixture: Vec<f64>,
-    /// Prices of the constraints' groups that bind: first those of the file in its order, then the cells of the separations.
-    #[serde(skip_serializing_if = "Vec::is_empty", default)]
-    pub prices: Vec<Price>,
-}
-
-/// A criterion's part of a certificate.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct CertificateTerm {
-    /// Name of the criterion.
-    pub criterion: String,
-    /// Its share.
-    pub share: f64,
-    /// Y, p×p, positive semidefinite, row by row; the share is in it.
-    pub matrix: Vec<Vec<f64>>,
-}
-
-/// The price of a group.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Price {
-    /// Number of the group, from 0.
-    pub group: usize,
-    /// Its price, at least 0.
-    pub price: f64,
-}
-
-/// How the search for the proven best set went.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct SearchDocument {
-    /// "optimal"; or what ended it before: "node limit", "time limit or interrupt", "singular part".
-    pub end: String,
-    /// Parts of the search space that were bounded.
-    pub nodes: usize,
-    /// Candidates left after those that no better set can hold.
-    pub candidates: usize,
-}
-
-/// Why no fewer poses suffice.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct FewestDocument {
-    /// What was wished for, and what the plan reaches.
-    pub accuracies: Vec<AccuracyDocument>,
-    /// Fewer poses than this are proven not to suffice; as many as the plan has if the proof is complete.
-    pub least: usize,
-    /// The proof that `least - 1` do not suffice: its bound on the least of (wished / reached)² is below 1. Where a search
-    /// was needed, the bound that it started from.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub refutation: Option<CertificateDocument>,
-    /// Parts of the search space that were bounded for it; 0 if the refutation stands alone.
-    pub nodes: usize,
-}
-
-/// An accuracy, wished for and reached, as standard deviations.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct AccuracyDocument {
-    /// `map_error_px` or the name of an intrinsic.
-    pub name: String,
-    /// What was wished for.
-    pub wished: f64,
-    /// What the plan reaches.
-    pub reached: f64,
-}
-
 /// One pose of a plan.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PlannedPose {
@@ -260,7 +187,7 @@ impl Plan {
         let names = problem.estimated_names();
         let shares = chooser.shares(&choice.selected)?;
         let poses = choice.selected.iter().zip(shares);
-        let document = |certificate| CertificateDocument::new(chooser, certificate);
+        let document = |certificate| CertificateDocument::new(chooser.objective(), certificate);
         let search = made.search.map(|search| SearchDocument {
             end: match search.end {
                 SearchEnd::Optimal => "optimal",
@@ -273,7 +200,7 @@ impl Plan {
             candidates: search.open_at_root,
         });
         let fewest = made.fewest.as_ref().map(|proof| FewestDocument {
-            accuracies: accuracies(problem, choice),
+            accuracies: chooser.reached(choice),
             least: proof.least,
             refutation: proof.refutation.as_ref().map(|refutation| document(&refutation.certificate)),
             nodes: proof.refutation.as_ref().map_or(0, |refutation| refutation.nodes),
@@ -365,54 +292,21 @@ pub(super) fn poses_csv(joints: &[String], poses: &[PlannedPose]) -> Result<Vec<
     writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))
 }
 
-impl CertificateDocument {
-    fn new(chooser: &Chooser, certificate: &Certificate) -> Self {
-        let mut rest = certificate.y.as_slice();
-        let terms = chooser.objective().criteria().map(|(criterion, share, p)| {
-            let (own, others) = rest.split_at(packed_len(p));
-            rest = others;
-            CertificateTerm {
-                criterion: criterion.map_or("accuracy", Criterion::name).into(),
-                share,
-                matrix: unpack(own, p).row_iter().map(|row| row.iter().copied().collect()).collect(),
-            }
-        });
-        Self {
-            bound: chooser.natural(certificate.log_bound),
-            terms: terms.collect(),
-            mixture: certificate.mixture.clone(),
-            prices: certificate.prices.iter().map(|&(group, price)| Price { group, price }).collect(),
-        }
-    }
-}
-
-/// What was wished for, and what the choice reaches.
-fn accuracies(problem: &Problem, choice: &Choice) -> Vec<AccuracyDocument> {
-    let names = problem.estimated_names();
-    let wishes = problem.selection.accuracies.iter();
-    wishes
-        .map(|&(accuracy, wished)| match accuracy {
-            Accuracy::MapError => AccuracyDocument { name: "map_error_px".into(), wished, reached: choice.map_error },
-            Accuracy::Intrinsic(j) => {
-                let reached = choice.sigma.get(j).copied().unwrap_or(f64::INFINITY);
-                AccuracyDocument { name: names[j].into(), wished, reached }
-            }
-        })
-        .collect()
+/// Joint values `q` (rad or m) as people read them: in degrees, of prismatic joints in mm.
+pub fn joints_deg(chain: &Chain, q: &[f64]) -> Vec<f64> {
+    let in_unit = |(joint, q): (&Joint, &f64)| match joint.kind {
+        JointKind::Revolute => q.to_degrees(),
+        JointKind::Prismatic => q * 1e3,
+    };
+    chain.joints.iter().zip(q).map(in_unit).collect()
 }
 
 impl PlannedPose {
     pub(super) fn new(problem: &Problem, view: &View, share: f64) -> Self {
-        let joints = problem.robot.chain.joints.iter().zip(&view.q);
         Self {
             id: view.id,
             joints_rad: view.q.clone(),
-            joints_deg: joints
-                .map(|(joint, &q)| match joint.kind {
-                    JointKind::Revolute => q.to_degrees(),
-                    JointKind::Prismatic => q * 1e3,
-                })
-                .collect(),
+            joints_deg: joints_deg(&problem.robot.chain, &view.q),
             camera_in_base: Pose::new(&view.X_BC),
             target_point_m: view.target_point().map(|p: Point3<f64>| p.coords.into()),
             tilt_deg: view.tilt().to_degrees(),

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::choice::{Choice, Chooser, PlanError};
-use super::document::{PlannedPose, ProblemReference};
+use super::document::{ProblemReference, joints_deg};
 use super::explanation::{
     CombinationTerm, CurvePoint, EXPLANATION_FORMAT, EXPLANATION_VERSION, Explanation, LeastKnown, PoseExplanation,
     SparePose, Suffering,
@@ -113,7 +113,7 @@ fn poses(
     let instance = chooser.instance(plan.selected.len())?;
     let views = &chooser.survey().views;
     let names = problem.estimated_names();
-    let joints_deg = |i: usize| PlannedPose::new(problem, &views[i], 0.0).joints_deg;
+    let in_degrees = |i: usize| joints_deg(&problem.robot.chain, &views[i].q);
     let loss = |log_value: f64| -(log_value - plan.log_value).exp_m1();
     let replaced = |leaving: usize, incoming: Option<usize>| {
         let others = plan.selected.iter().copied().filter(|&i| i != leaving);
@@ -127,7 +127,7 @@ fn poses(
             let choice = replaced(leaving, Some(candidate));
             SparePose {
                 id: views[candidate].id,
-                joints_deg: joints_deg(candidate),
+                joints_deg: in_degrees(candidate),
                 loss: loss(choice.log_value),
                 map_error_px: finite(choice.map_error),
             }
@@ -135,7 +135,7 @@ fn poses(
         let found = spares(&instance, &plan.selected, leaving, spare_count);
         PoseExplanation {
             id: views[leaving].id,
-            joints_deg: joints_deg(leaving),
+            joints_deg: in_degrees(leaving),
             loss: loss(without.log_value),
             map_error_px: finite(without.map_error),
             suffers_most: most.map(|((&sigma, &sigma_without), name)| Suffering {

@@ -14,6 +14,7 @@ mod next;
 mod objective;
 mod polish;
 mod polished;
+mod proof;
 mod reach;
 mod recall;
 mod refine;
@@ -26,8 +27,8 @@ pub use certify::{CertifyError, Confirmed, certify};
 pub use choice::{Choice, Chooser, PlanError};
 pub use comparison::{Comparison, Equivalent, Row, compare, equivalent_kmeans};
 pub use document::{
-    AccuracyDocument, Candidates, CertificateDocument, CertificateTerm, FewestDocument, Intrinsics, PLAN_FORMAT,
-    PLAN_VERSION, Plan, PlanReadError, PlannedPose, Pose, Price, ProblemReference, SearchDocument,
+    Candidates, Intrinsics, PLAN_FORMAT, PLAN_VERSION, Plan, PlanReadError, PlannedPose, Pose, ProblemReference,
+    joints_deg,
 };
 pub use explain::{ExplainSettings, explain};
 pub use explanation::{
@@ -39,6 +40,7 @@ pub use make::{FewestProof, Made, SearchSummary, make};
 pub use next::{Proposal, Wish, next};
 pub use polish::{PolishSettings, Polished, polish};
 pub use polished::{GridPlan, POLISHED_FORMAT, POLISHED_VERSION, PROVEN, PolishedPlan};
+pub use proof::{AccuracyDocument, CertificateDocument, CertificateTerm, FewestDocument, Price, SearchDocument};
 pub use reach::reach_starts;
 pub use recall::RecallError;
 pub use refine::candidates;

@@ -5,7 +5,6 @@ use std::borrow::Cow;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::certify::Checked;
 use super::survey::{Survey, SurveyError};
 use crate::feasibility::View;
 use crate::information::packed::{pack, packed_len, unpack};
@@ -16,6 +15,19 @@ use crate::selection::{Constraints, InformationFunction, Instance, SelectionErro
 /// What `diversity` assumes known beforehand, as a share of one average view: enough to compare sets of fewer views than
 /// the ten numbers of its model, too little to weigh in larger ones.
 const DIVERSITY_PRIOR: f64 = 0.1;
+
+/// A term of the objective, as the definitions have it; [`certify`](super::certify()) evaluates it by these.
+pub(super) struct Checked<'a> {
+    pub(super) criterion: Option<Criterion>,
+    pub(super) share: f64,
+    pub(super) candidates: &'a InformationSet,
+    pub(super) prior: DMatrix<f64>,
+    /// The weights W of variances: one, or one for each accuracy; none for other criteria.
+    pub(super) weights: Vec<DMatrix<f64>>,
+}
+
+/// What an objective of accuracies is called where others have the name of a criterion.
+pub(super) const ACCURACY: &str = "accuracy";
 
 /// Criteria, each with its share, on the views of a survey.
 #[derive(Debug, Clone)]
@@ -173,7 +185,7 @@ impl<'a> Objective<'a> {
         self.terms.iter().map(|term| (term.criterion, term.share, term.parameters.len()))
     }
 
-    /// The terms by their definitions, for [`certify`](super::certify).
+    /// The terms by their definitions, for [`certify`](super::certify()).
     pub(super) fn terms(&self, problem: &Problem, survey: &Survey) -> Vec<Checked<'_>> {
         let weights = |criterion| match criterion {
             Some(Criterion::A) => vec![pixel_weight(problem)],
@@ -227,7 +239,7 @@ impl std::fmt::Display for Objective<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         let criteria: Option<Vec<_>> =
             self.terms.iter().map(|term| term.criterion.map(|criterion| (criterion, term.share))).collect();
-        f.write_str(&criteria.map_or_else(|| "accuracy".into(), |criteria| Criterion::describe(&criteria)))
+        f.write_str(&criteria.map_or_else(|| ACCURACY.into(), |criteria| Criterion::describe(&criteria)))
     }
 }
 

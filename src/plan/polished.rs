@@ -3,8 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::choice::Chooser;
-use super::document::{CertificateDocument, Intrinsics, Plan, PlannedPose, ProblemReference, poses_csv};
+use super::document::{Intrinsics, Plan, PlannedPose, ProblemReference, poses_csv};
 use super::polish::Polished;
+use super::proof::CertificateDocument;
 use crate::problem::Problem;
 
 /// Value of the key `format`.

@@ -4,6 +4,7 @@ use thiserror::Error;
 
 use super::choice::{Chooser, PlanError};
 use super::document::Plan;
+use super::objective::ACCURACY;
 use super::survey::Survey;
 use crate::information::Criterion;
 use crate::problem::Problem;
@@ -44,7 +45,7 @@ pub enum RecallError {
 
 impl Plan {
     /// The chooser that made the plan, by its criteria or by the accuracies that the problem wishes for, and its poses as
-    /// indices into the survey's views, ascending.
+    /// indices into the survey's views, in the plan's order.
     ///
     /// # Errors
     /// When a pose is no view of the survey, or the criteria are not known.
@@ -53,35 +54,18 @@ impl Plan {
         problem: &'a Problem,
         survey: &'a Survey,
     ) -> Result<(Chooser<'a>, Vec<usize>), RecallError> {
-        let views = &survey.views;
-        let mut selected = Vec::with_capacity(self.poses.len());
-        for pose in &self.poses {
-            let id = pose.id;
-            let i = views
-                .binary_search_by_key(&id, |view| view.id)
-                .map_err(|_| RecallError::NotAView { id, views: views.len() })?;
-            let close = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-9;
-            if pose.joints_rad.len() != views[i].q.len() || !pose.joints_rad.iter().zip(&views[i].q).all(close) {
-                return Err(RecallError::Moved { id });
-            }
-            if selected.contains(&i) {
-                return Err(RecallError::Twice { id });
-            }
-            selected.push(i);
-        }
-        selected.sort_unstable();
         let chooser = Chooser::new(problem, survey)?;
         let chooser = match self.criteria() {
             Some(criteria) => chooser.by(&criteria)?,
-            None if self.criterion == "accuracy" && !problem.selection.accuracies.is_empty() => chooser.by_accuracies(),
+            None if self.criterion == ACCURACY && !problem.selection.accuracies.is_empty() => chooser.by_accuracies(),
             None => return Err(RecallError::Criterion { criterion: self.criterion.clone() }),
         };
-        Ok((chooser, selected))
+        Ok((chooser, self.places(survey)?))
     }
 
     /// The criteria that the plan optimises and their shares; `None` for accuracies, and where a name is not known or the
     /// shares are not positive and of sum one.
-    fn criteria(&self) -> Option<Vec<(Criterion, f64)>> {
+    pub fn criteria(&self) -> Option<Vec<(Criterion, f64)>> {
         let named = |name: &str| Criterion::ALL.into_iter().find(|criterion| criterion.name() == name);
         let terms = self.certificate.terms.iter();
         let criteria: Option<Vec<_>> = terms.map(|term| Some((named(&term.criterion)?, term.share))).collect();
@@ -89,5 +73,26 @@ impl Plan {
             let sum: f64 = criteria.iter().map(|(_, share)| share).sum();
             criteria.iter().all(|&(_, share)| share > 0.0) && (sum - 1.0).abs() < 1e-9
         })
+    }
+
+    /// The poses' places among the survey's views, whose joint values must be theirs.
+    fn places(&self, survey: &Survey) -> Result<Vec<usize>, RecallError> {
+        let views = &survey.views;
+        let mut places = Vec::with_capacity(self.poses.len());
+        for pose in &self.poses {
+            let id = pose.id;
+            let place = views.binary_search_by_key(&id, |view| view.id);
+            let place = place.map_err(|_| RecallError::NotAView { id, views: views.len() })?;
+            let q = &views[place].q;
+            let same = pose.joints_rad.iter().zip(q).all(|(a, b)| (a - b).abs() <= 1e-12);
+            if pose.joints_rad.len() != q.len() || !same {
+                return Err(RecallError::Moved { id });
+            }
+            if places.contains(&place) {
+                return Err(RecallError::Twice { id });
+            }
+            places.push(place);
+        }
+        Ok(places)
     }
 }

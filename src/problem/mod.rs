@@ -4,6 +4,7 @@
 //! one and builds the models. Everything wrong with a file is a [`Fault`] with its line, column and key.
 
 mod bodies;
+mod choosing;
 mod document;
 mod error;
 mod fault;

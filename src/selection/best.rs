@@ -3,9 +3,10 @@
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256Plus;
 
+use super::error::SelectionError;
 use super::exchange::exchange;
 use super::greedy::greedy;
-use super::instance::{Instance, SelectionError};
+use super::instance::Instance;
 use super::relaxation::{Relaxation, RelaxationSettings, relax};
 
 /// Random roundings tried beside the k largest weights, of functions without and with kinks, on which exchange takes longer.

@@ -1,6 +1,6 @@
 //! Which selections are allowed.
 
-use super::instance::SelectionError;
+use super::error::SelectionError;
 
 /// What a selection must satisfy besides its size. The default allows everything.
 #[derive(Debug, Clone, PartialEq, Default)]

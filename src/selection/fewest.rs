@@ -4,9 +4,10 @@ use std::ops::ControlFlow;
 
 use super::best::{Best, best};
 use super::certificate::Certificate;
+use super::error::SelectionError;
 use super::exchange::exchange;
 use super::greedy::greedy;
-use super::instance::{Instance, SelectionError};
+use super::instance::Instance;
 use super::relaxation::{RelaxationSettings, relax};
 use super::search::{SearchEnd, SearchProgress, search};
 
@@ -67,123 +68,141 @@ pub fn fewest(
     node_limit: usize,
     observe: &mut dyn FnMut(&SearchProgress) -> ControlFlow<()>,
 ) -> Result<Fewest, NotEnough> {
-    let fewest_allowed = instance.required().len().max(1);
-    let enough = first_enough(instance, level, fewest_allowed, most, settings, seed)?;
-
-    // The least number whose bound reaches the level.
-    let bound = |count: usize| -> Result<Option<Certificate>, SelectionError> {
-        let smaller = instance.with_count(count)?;
-        Ok(relax(&smaller, &enough, settings).map(|relaxation| relaxation.certificate))
-    };
-    let (mut short, mut least) = (fewest_allowed - 1, enough.len());
-    let mut refutation = None;
-    while least - short > 1 {
-        let middle = usize::midpoint(short, least);
-        match bound(middle)? {
-            Some(certificate) if certificate.log_bound < level => {
-                short = middle;
-                refutation = Some(Refutation { certificate, nodes: 0 });
-            }
-            _ => least = middle,
-        }
-    }
-
-    // Select from there upwards.
-    let mut open = vec![];
-    let mut count = least;
-    let mut found = loop {
-        let attempt = instance.with_count(count).and_then(|instance| best(&instance, settings, seed));
-        match attempt {
-            Ok(best) if best.log_value >= level => break best,
-            Ok(best) => open.push(best),
-            // Singular sets, or constraints in the way: a greater number may do.
-            Err(_) if count < enough.len() => {}
-            Err(error) => return Err(error.into()),
-        }
-        count += 1;
-    };
-
-    // Prove the numbers between not to suffice, or find that one does.
-    let mut nodes_left = node_limit;
-    for best in open {
-        let smaller = instance.with_count(best.selected.len())?;
-        let outcome = search(&smaller, &best, level, nodes_left, observe);
-        nodes_left -= outcome.nodes.min(nodes_left);
-        if outcome.log_value >= level {
-            found = Best { selected: outcome.selected, log_value: outcome.log_value, relaxation: best.relaxation };
-            break;
-        }
-        if outcome.end != SearchEnd::Optimal || best.selected.len() != least {
-            break;
-        }
-        least += 1;
-        refutation = Some(Refutation { certificate: best.relaxation.certificate, nodes: outcome.nodes });
-    }
-    Ok(Fewest { best: found, least, refutation })
+    let quest = Quest { instance, level, settings, seed };
+    let enough = quest.first_enough(most)?;
+    let (least, refutation) = quest.least_by_bounds(&enough)?;
+    let (best, open) = quest.first_from(least, enough.len())?;
+    quest.close(Fewest { best, least, refutation }, open, node_limit, observe)
 }
 
-/// A selection that suffices, its size not far from the least.
-fn first_enough(
-    instance: &Instance,
+/// How far below the level a search still looks: it prunes what exceeds its goal by no more than rounding.
+const MARGIN: f64 = 1e-8;
+
+/// What is sought.
+struct Quest<'a> {
+    instance: &'a Instance<'a>,
     level: f64,
-    fewest: usize,
-    most: usize,
-    settings: &RelaxationSettings,
+    settings: &'a RelaxationSettings,
     seed: u64,
-) -> Result<Vec<usize>, NotEnough> {
-    let open = (0..instance.len()).filter(|&i| instance.is_open(i)).count();
-    let most = most.min(instance.required().len() + open).max(fewest);
-    let mut count = fewest;
-    loop {
-        let larger = instance.with_count(count)?;
-        let selected = match greedy(&larger) {
-            Ok(selected) => selected,
-            Err(SelectionError::Unobservable { .. }) if count < most => {
-                count = (count + count.div_ceil(2)).min(most);
-                continue;
-            }
-            Err(SelectionError::DeadEnd { selected, .. }) if (fewest..count).contains(&selected) => {
-                return in_narrow_room(instance, level, fewest, selected, settings, seed);
-            }
-            Err(error) => return Err(error.into()),
-        };
-        if larger.log_value(&larger.total(&selected)) >= level {
-            return Ok(selected);
-        }
-        if count == most {
-            let improved = exchange(&larger, selected);
-            if larger.log_value(&larger.total(&improved)) >= level {
-                return Ok(improved);
-            }
-            let bounded = relax(&larger, &improved, settings);
-            let log_bound = bounded.map_or(f64::INFINITY, |relaxed| relaxed.certificate.log_bound);
-            return Err(NotEnough::Never { selected: improved, log_bound });
-        }
-        count = (count + count.div_ceil(2)).min(most);
-    }
 }
 
-/// The same where constraints let greedy place no more than `most`: fewer, well placed, may do.
-fn in_narrow_room(
-    instance: &Instance,
-    level: f64,
-    fewest: usize,
-    most: usize,
-    settings: &RelaxationSettings,
-    seed: u64,
-) -> Result<Vec<usize>, NotEnough> {
-    let mut closest: Option<Best> = None;
-    for count in (fewest..=most).rev() {
-        let Ok(found) = best(&instance.with_count(count)?, settings, seed) else { continue };
-        if found.log_value >= level {
-            return Ok(found.selected);
-        }
-        if closest.as_ref().is_none_or(|closest| found.log_value > closest.log_value) {
-            closest = Some(found);
+impl Quest<'_> {
+    /// The fewest that the constraints allow.
+    fn fewest_allowed(&self) -> usize {
+        self.instance.required().len().max(1)
+    }
+
+    fn best(&self, count: usize) -> Result<Best, SelectionError> {
+        best(&self.instance.with_count(count)?, self.settings, self.seed)
+    }
+
+    /// A selection of at most `most` that suffices, its size not far from the least.
+    fn first_enough(&self, most: usize) -> Result<Vec<usize>, NotEnough> {
+        let open = (0..self.instance.len()).filter(|&i| self.instance.is_open(i)).count();
+        let most = most.min(self.instance.required().len() + open).max(self.fewest_allowed());
+        let mut count = self.fewest_allowed();
+        loop {
+            let larger = self.instance.with_count(count)?;
+            let reaches = |selected: &[usize]| larger.log_value(&larger.total(selected)) >= self.level;
+            match greedy(&larger) {
+                Ok(selected) if reaches(&selected) => return Ok(selected),
+                Ok(selected) if count == most => {
+                    let improved = exchange(&larger, selected);
+                    if reaches(&improved) {
+                        return Ok(improved);
+                    }
+                    let bounded = relax(&larger, &improved, self.settings);
+                    let log_bound = bounded.map_or(f64::INFINITY, |relaxed| relaxed.certificate.log_bound);
+                    return Err(NotEnough::Never { selected: improved, log_bound });
+                }
+                Err(SelectionError::DeadEnd { selected, .. }) if (self.fewest_allowed()..count).contains(&selected) => {
+                    return self.in_narrow_room(selected);
+                }
+                Err(SelectionError::Unobservable { .. }) if count < most => {}
+                Err(error) => return Err(error.into()),
+                Ok(_) => {}
+            }
+            count = (count + count.div_ceil(2)).min(most);
         }
     }
-    match closest {
-        Some(closest) => Err(NotEnough::Never { selected: closest.selected, log_bound: f64::INFINITY }),
-        None => Err(SelectionError::DeadEnd { selected: most, count: most + 1 }.into()),
+
+    /// The same where constraints let greedy place no more than `most`: fewer, well placed, may do.
+    fn in_narrow_room(&self, most: usize) -> Result<Vec<usize>, NotEnough> {
+        let mut closest: Option<Best> = None;
+        for count in (self.fewest_allowed()..=most).rev() {
+            let Ok(found) = self.best(count) else { continue };
+            if found.log_value >= self.level {
+                return Ok(found.selected);
+            }
+            if closest.as_ref().is_none_or(|closest| found.log_value > closest.log_value) {
+                closest = Some(found);
+            }
+        }
+        match closest {
+            Some(closest) => Err(NotEnough::Never { selected: closest.selected, log_bound: f64::INFINITY }),
+            None => Err(SelectionError::DeadEnd { selected: most, count: most + 1 }.into()),
+        }
+    }
+
+    /// The least number whose bound reaches the level, and the proof that one less does not; by bisection below the size of
+    /// `enough`, where the relaxation starts from.
+    fn least_by_bounds(&self, enough: &[usize]) -> Result<(usize, Option<Refutation>), SelectionError> {
+        let (mut short, mut least) = (self.fewest_allowed() - 1, enough.len());
+        let mut refutation = None;
+        while least - short > 1 {
+            let middle = usize::midpoint(short, least);
+            let relaxed = relax(&self.instance.with_count(middle)?, enough, self.settings);
+            match relaxed.map(|relaxed| relaxed.certificate) {
+                Some(certificate) if certificate.log_bound < self.level => {
+                    short = middle;
+                    refutation = Some(Refutation { certificate, nodes: 0 });
+                }
+                _ => least = middle,
+            }
+        }
+        Ok((least, refutation))
+    }
+
+    /// The first selection that suffices, from `least` upwards, and the best selections of the numbers before it; `enough` do.
+    fn first_from(&self, least: usize, enough: usize) -> Result<(Best, Vec<Best>), SelectionError> {
+        let mut open = vec![];
+        let mut count = least;
+        loop {
+            match self.best(count) {
+                Ok(best) if best.log_value >= self.level => return Ok((best, open)),
+                Ok(best) => open.push(best),
+                // Singular sets, or constraints in the way: a greater number may do.
+                Err(_) if count < enough => {}
+                Err(error) => return Err(error),
+            }
+            count += 1;
+        }
+    }
+
+    /// Searches the numbers in between, given by their best selections: proves them not to suffice, or finds that one does.
+    fn close(
+        &self,
+        mut fewest: Fewest,
+        open: Vec<Best>,
+        node_limit: usize,
+        observe: &mut dyn FnMut(&SearchProgress) -> ControlFlow<()>,
+    ) -> Result<Fewest, NotEnough> {
+        let mut nodes_left = node_limit;
+        for best in open {
+            let smaller = self.instance.with_count(best.selected.len())?;
+            let outcome = search(&smaller, &best, self.level - MARGIN, nodes_left, observe);
+            nodes_left -= outcome.nodes.min(nodes_left);
+            let Best { selected, relaxation, .. } = best;
+            if outcome.log_value >= self.level {
+                fewest.best = Best { selected: outcome.selected, log_value: outcome.log_value, relaxation };
+                break;
+            }
+            if outcome.end != SearchEnd::Optimal || selected.len() != fewest.least {
+                break;
+            }
+            fewest.least += 1;
+            fewest.refutation = Some(Refutation { certificate: relaxation.certificate, nodes: outcome.nodes });
+        }
+        Ok(fewest)
     }
 }

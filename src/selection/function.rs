@@ -92,26 +92,19 @@ impl InformationFunction {
 
     /// `log Φ(M)` of a packed matrix of order p, which serves as work space; −∞ if M is singular.
     pub fn log_value(&self, m: &mut [f64], p: usize) -> f64 {
-        if let InformationFunction::MinEigenvalue { softness } = self {
-            let M = unpack(m, p);
-            // Singular to working precision; the eigenvalue of such a matrix is rounding.
-            if !cholesky(m, p) {
-                return f64::NEG_INFINITY;
-            }
-            let λ = M.symmetric_eigenvalues();
-            return least(λ.as_slice(), *softness);
-        }
-        if !cholesky(m, p) {
-            return f64::NEG_INFINITY;
-        }
         match self {
+            InformationFunction::MinEigenvalue { softness } => {
+                let M = unpack(m, p);
+                // Of a matrix that is singular to working precision the least eigenvalue is rounding.
+                if cholesky(m, p) { least(M.symmetric_eigenvalues().as_slice(), *softness) } else { f64::NEG_INFINITY }
+            }
+            _ if !cholesky(m, p) => f64::NEG_INFINITY,
             InformationFunction::Determinant => log_det(m, p) / p as f64,
             InformationFunction::Variance(factor) => -variance(factor, m, p).ln(),
             InformationFunction::WorstVariance { factors, softness } => {
                 let values: Vec<f64> = factors.iter().map(|factor| variance(factor, m, p).recip()).collect();
                 least(&values, *softness)
             }
-            InformationFunction::MinEigenvalue { .. } => unreachable!("returned above"),
         }
     }
 

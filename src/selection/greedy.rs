@@ -2,7 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::instance::{Instance, SelectionError};
+use super::error::SelectionError;
+use super::instance::Instance;
 
 /// Information assumed before the first pick, as a share of k average views: keeps log Φ finite until the picks
 /// determine every parameter, and too little to weigh once they do.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{ANGLE, Check, LENGTH};
+use super::{ANGLE, Check, LENGTH, si};
 use crate::formats::{read_srdf_file, read_urdf_file};
 use crate::problem::document::KeyPath;
 use crate::problem::fault::{Allowed, Reason};
@@ -147,14 +147,6 @@ impl Check<'_, '_> {
 
 fn link_names(mechanism: &Mechanism) -> Vec<String> {
     mechanism.tree.links.iter().map(|link| link.name.clone()).collect()
-}
-
-/// A joint value in the file's unit (degrees or mm) as rad or m.
-fn si(kind: JointKind, value: f64) -> f64 {
-    match kind {
-        JointKind::Revolute => value.to_radians(),
-        JointKind::Prismatic => value / 1e3,
-    }
 }
 
 /// The joint's limits in the file's unit, to a thousandth.

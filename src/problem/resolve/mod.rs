@@ -20,6 +20,7 @@ use super::{Problem, schema, syntax};
 use crate::calibration::FEWEST_CORNERS;
 use crate::camera::{Camera, Lens};
 use crate::feasibility::VisibilityLimits;
+use crate::robot::JointKind;
 use crate::spatial::Pose;
 
 /// Lengths and positions in mm: a kilometre is a slip of the pen.
@@ -238,6 +239,14 @@ impl Check<'_, '_> {
 
 /// Lengths in mm and px that may be 0.
 const NOT_NEGATIVE: Allowed = Allowed::between(0.0, 1e6);
+
+/// A joint value in the file's unit (degrees or mm) as rad or m.
+fn si(kind: JointKind, value: f64) -> f64 {
+    match kind {
+        JointKind::Revolute => value.to_radians(),
+        JointKind::Prismatic => value / 1e3,
+    }
+}
 
 fn owned(names: &[&str]) -> Vec<String> {
     names.iter().map(|&name| name.to_owned()).collect()

@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
+use super::super::choosing;
 use super::super::document::KeyPath;
 use super::super::fault::{Allowed, Reason};
 use super::super::schema;
 use super::super::shape::{Numbers, Range, TextOrTable};
 use super::super::{Accuracy, JointRegion, PoseConstraints, PoseGroup, SelectionSettings};
-use super::{Check, owned};
+use super::{Check, owned, si};
 use crate::information::Criterion;
 use crate::robot::{Joint, JointKind, Limits};
 
@@ -19,7 +20,7 @@ const MAP_ERROR: &str = "map_error_px";
 const SIGMA: Allowed = Allowed::positive(1e9);
 
 impl Check<'_, '_> {
-    pub(super) fn selection(&mut self, selection: &schema::Selection, estimated: &[&str]) -> SelectionSettings {
+    pub(super) fn selection(&mut self, selection: &choosing::Selection, estimated: &[&str]) -> SelectionSettings {
         let at = KeyPath::section("selection");
         let time_limit = self.number(&at.key("time_limit_s"), selection.time_limit_s, Allowed::between(0.0, 1e6));
         let nodes = Allowed::between(0.0, 1e12);
@@ -98,7 +99,7 @@ impl Check<'_, '_> {
         known
     }
 
-    pub(super) fn constraints(&mut self, constraints: &schema::Constraints, joints: &[Joint]) -> PoseConstraints {
+    pub(super) fn constraints(&mut self, constraints: &choosing::Constraints, joints: &[Joint]) -> PoseConstraints {
         let at = KeyPath::section("constraints");
         let ids = |ids: &[u64]| ids.iter().map(|&id| id as usize).collect::<Vec<_>>();
         let required = ids(&constraints.require);
@@ -160,7 +161,7 @@ impl Check<'_, '_> {
         if q.len() != joints.len() && !joints.is_empty() {
             self.fault(path, Reason::Length { found: q.len(), expected: joints.len(), per: "joint" });
         }
-        q.iter().zip(joints).map(|(&value, joint)| joint_value(joint, value)).collect()
+        q.iter().zip(joints).map(|(&value, joint)| si(joint.kind, value)).collect()
     }
 
     fn region(&mut self, path: &KeyPath, ranges: &BTreeMap<String, Range>, joints: &[Joint]) -> JointRegion {
@@ -182,16 +183,8 @@ impl Check<'_, '_> {
             if !(min <= max && min.is_finite() && max.is_finite()) {
                 self.fault(&key, Reason::Reversed { min, max });
             }
-            region.push((j, Limits { min: joint_value(&joints[j], min), max: joint_value(&joints[j], max) }));
+            region.push((j, Limits { min: si(joints[j].kind, min), max: si(joints[j].kind, max) }));
         }
         JointRegion(region)
-    }
-}
-
-/// A joint value in degrees or mm as rad or m.
-fn joint_value(joint: &Joint, value: f64) -> f64 {
-    match joint.kind {
-        JointKind::Revolute => value.to_radians(),
-        JointKind::Prismatic => value / 1e3,
     }
 }

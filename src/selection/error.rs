@@ -1,0 +1,120 @@
+//! Why a selection problem is ill-posed.
+
+use thiserror::Error;
+
+use crate::information::InformationError;
+
+/// Why nothing can be selected.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum SelectionError {
+    /// More views are asked for than there are candidates, or none.
+    #[error("{count} of {candidates} candidates cannot be selected; ask for at least 1 and at most {candidates}")]
+    Count {
+        /// Number asked for.
+        count: usize,
+        /// Number of candidates.
+        candidates: usize,
+    },
+    /// A matrix is of another order than the candidates'.
+    #[error("the {what} is of order {found}, the candidates' matrices of order {expected}")]
+    Order {
+        /// What does not fit.
+        what: &'static str,
+        /// Order of the candidates.
+        expected: usize,
+        /// Its order.
+        found: usize,
+    },
+    /// The terms are of different candidates, or their shares do not add up to one.
+    #[error(
+        "the terms have {candidates:?} candidates and shares that add up to {shares}; all must have the same \
+             candidates, and positive shares must add up to 1"
+    )]
+    Terms {
+        /// Number of candidates of each.
+        candidates: Vec<usize>,
+        /// Sum of the shares.
+        shares: f64,
+    },
+    /// The prior is not an information matrix.
+    #[error("the prior is refused: {0}")]
+    Prior(#[source] InformationError),
+    /// The weight of a variance is zero or not finite.
+    #[error("the weight of the variance is zero or not finite; nothing can be made small by it")]
+    Weight,
+    /// A constraint names a candidate that does not exist.
+    #[error("the constraints name candidate {candidate}; there are {candidates}, counted from 0")]
+    NoSuchCandidate {
+        /// The candidate named.
+        candidate: usize,
+        /// Number of candidates.
+        candidates: usize,
+    },
+    /// The points of a separation do not fit the candidates.
+    #[error(
+        "a separation needs one point of finite coordinates for each of the {candidates} candidates and a distance of at \
+             least 0; it has {points} points"
+    )]
+    Separation {
+        /// Number of points.
+        points: usize,
+        /// Number of candidates.
+        candidates: usize,
+    },
+    /// A candidate must be in and must not.
+    #[error("candidate {candidate} is required and forbidden")]
+    RequiredAndForbidden {
+        /// The candidate.
+        candidate: usize,
+    },
+    /// The required candidates alone break a cap.
+    #[error("{required} required candidates are in group {group}, which may have {most}")]
+    RequiredAboveCap {
+        /// The group, from 0.
+        group: usize,
+        /// Required candidates in it.
+        required: usize,
+        /// How many it may have.
+        most: usize,
+    },
+    /// Two required candidates are too close to each other.
+    #[error("the required candidates {first} and {second} are {distance} apart; the least separation is {least}")]
+    RequiredTooClose {
+        /// One of them.
+        first: usize,
+        /// The other.
+        second: usize,
+        /// Their distance.
+        distance: f64,
+        /// The least allowed.
+        least: f64,
+    },
+    /// So many cannot be selected: more are required, or fewer allowed.
+    #[error("{count} cannot be selected: {required} are required and {available} allowed")]
+    Allowed {
+        /// Number asked for.
+        count: usize,
+        /// Number of candidates that must be in.
+        required: usize,
+        /// Number of candidates that may be.
+        available: usize,
+    },
+    /// The constraints left no candidate to go on with.
+    #[error("after {selected} of {count} candidates, picked one by one, the constraints allow no other")]
+    DeadEnd {
+        /// Number selected.
+        selected: usize,
+        /// Number asked for.
+        count: usize,
+    },
+    /// Some combination of the parameters is not determined.
+    #[error("{count} views leave a combination of the parameters undetermined")]
+    Unobservable {
+        /// Number of views that were tried: as many as asked for, or all candidates together.
+        count: usize,
+        /// The term whose parameters they are, from 0.
+        term: usize,
+        /// The combination, one coefficient per parameter, scaled so that the largest is 1 in size.
+        combination: Vec<f64>,
+    },
+}
