@@ -5,14 +5,15 @@
 
 mod calibrate;
 mod certify;
+mod check;
 mod compare;
 mod explain;
 mod failure;
+mod init;
 mod next;
 mod plan;
 mod planned;
 mod polish;
-mod problem;
 mod reach;
 mod screen;
 mod searching;
@@ -182,9 +183,9 @@ fn run(command: &Command, screen: &mut Screen) -> Result<(), Failure> {
         Command::Certify(arguments) => certify::run(arguments, screen),
         Command::Next(arguments) => next::run(arguments, screen),
         Command::Reach(arguments) => reach::run(arguments, screen),
-        Command::Check { file } => problem::check(file, screen),
-        Command::Init { file } => problem::init(file, screen),
-        Command::Schema => problem::schema(screen),
+        Command::Check { file } => check::run(file, screen),
+        Command::Init { file } => init::run(file, screen),
+        Command::Schema => init::schema(screen),
     }
 }
 
