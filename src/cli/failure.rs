@@ -64,6 +64,8 @@ impl Failure {
                 error: FileReadError::Content(ReadError { fault: ReadFault::NotStated { .. }, .. }),
                 ..
             } => 2,
+            // The nearest configuration was shown.
+            Failure::Unreached { .. } => 4,
             Failure::Problem(_) | Failure::PlanFile { .. } | Failure::Observations { .. } => 3,
             _ => 1,
         }

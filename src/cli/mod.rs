@@ -1,7 +1,8 @@
 //! The command line: commands, exit codes, what is printed where.
 //!
 //! Results go to stdout, progress and errors to stderr. Exit codes: 0 done; 1 the command failed; 2 the command line was
-//! wrong; 3 the problem file, plan or file of observations was refused; 70 a bug in calipose; 130 interrupted.
+//! wrong; 3 the problem file, plan or file of observations was refused; 4 done, but the result is bad; 70 a bug in calipose;
+//! 130 interrupted.
 
 mod calibrate;
 mod certify;
@@ -18,6 +19,7 @@ mod reach;
 mod screen;
 mod searching;
 mod sweep;
+mod verdict;
 mod verify;
 
 use std::path::PathBuf;
@@ -28,6 +30,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use failure::Failure;
 use screen::Screen;
+use verdict::Verdict;
 
 use crate::information::Criterion;
 use crate::problem::Problem;
@@ -38,7 +41,8 @@ use crate::selection::Method;
 #[command(
     version,
     max_term_width = 100,
-    after_help = "Exit codes: 0 done, 1 failed, 2 wrong command line, 3 input file refused, 70 bug, 130 interrupted."
+    after_help = "Exit codes: 0 done, 1 failed, 2 wrong command line, 3 input file refused, 4 done but the result is bad, 70 bug, \
+                  130 interrupted."
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -159,7 +163,7 @@ pub fn main() -> ExitCode {
         let arguments = Arguments::parse();
         let mut screen = Screen::new(arguments.output.quiet, arguments.output.json);
         match run(&arguments.command, &mut screen) {
-            Ok(()) => ExitCode::SUCCESS,
+            Ok(verdict) => verdict.exit_code(),
             Err(failure) => {
                 Screen::fail(&failure);
                 ExitCode::from(failure.exit_code())
@@ -171,21 +175,23 @@ pub fn main() -> ExitCode {
     }
 }
 
-fn run(command: &Command, screen: &mut Screen) -> Result<(), Failure> {
+fn run(command: &Command, screen: &mut Screen) -> Result<Verdict, Failure> {
+    // What these do is done or fails; there is nothing to judge.
+    let good = |()| Verdict::Good;
     match command {
         Command::Plan(arguments) => plan::run(arguments, screen),
-        Command::Compare(arguments) => compare::run(arguments, screen),
+        Command::Compare(arguments) => compare::run(arguments, screen).map(good),
         Command::Calibrate(arguments) => calibrate::run(arguments, screen),
-        Command::Explain(arguments) => explain::run(arguments, screen),
-        Command::Polish(arguments) => polish::run(arguments, screen),
-        Command::Sweep(arguments) => sweep::run(arguments, screen),
+        Command::Explain(arguments) => explain::run(arguments, screen).map(good),
+        Command::Polish(arguments) => polish::run(arguments, screen).map(good),
+        Command::Sweep(arguments) => sweep::run(arguments, screen).map(good),
         Command::Verify(arguments) => verify::run(arguments, screen),
-        Command::Certify(arguments) => certify::run(arguments, screen),
+        Command::Certify(arguments) => certify::run(arguments, screen).map(good),
         Command::Next(arguments) => next::run(arguments, screen),
-        Command::Reach(arguments) => reach::run(arguments, screen),
-        Command::Check { file } => check::run(file, screen),
-        Command::Init { file } => init::run(file, screen),
-        Command::Schema => init::schema(screen),
+        Command::Reach(arguments) => reach::run(arguments, screen).map(good),
+        Command::Check { file } => check::run(file, screen).map(good),
+        Command::Init { file } => init::run(file, screen).map(good),
+        Command::Schema => init::schema(screen).map(good),
     }
 }
 

@@ -9,6 +9,7 @@ use super::failure::Failure;
 use super::plan::pose_table;
 use super::planned::Planned;
 use super::screen::{Screen, short, table};
+use super::verdict::Verdict;
 use crate::calibration::{CalibrationSettings, calibrate};
 use crate::formats::{Stated, read_detections_file};
 use crate::plan::{Wish, next};
@@ -48,7 +49,7 @@ impl NextArguments {
     }
 }
 
-pub(super) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<(), Failure> {
+pub(super) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<Verdict, Failure> {
     let wish = arguments.wish()?;
     let Planned { plan, problem } = Planned::read(&arguments.plan, arguments.problem.as_deref())?;
     let path = &arguments.observations;
@@ -92,7 +93,8 @@ pub(super) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<(), 
         short(proposal.known),
     );
     if proposal.poses.is_empty() {
-        return screen.text(&format!("{known} That is enough; no more poses are needed."));
+        screen.text(&format!("{known} That is enough; no more poses are needed."))?;
+        return Ok(Verdict::Good);
     }
     let verdict = match (proposal.fulfilled, arguments.map_error) {
         (true, _) => String::new(),
@@ -107,5 +109,6 @@ pub(super) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<(), 
         proposal.poses.len(),
         short(proposal.expected),
         pose_table(&problem, &proposal.poses),
-    ))
+    ))?;
+    Ok(Verdict::good_if(proposal.fulfilled))
 }

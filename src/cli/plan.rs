@@ -9,6 +9,7 @@ use serde_json::json;
 use super::failure::Failure;
 use super::screen::{Screen, grouped, joint_columns, short, table};
 use super::searching::searching;
+use super::verdict::Verdict;
 use super::{Overrides, TableFormat, WRITING, method, trials, verify as verify_command};
 use crate::plan::{
     Chooser, Plan, PlannedPose, Survey, candidates, candidates_csv, candidates_parquet, compare, make, verify,
@@ -46,7 +47,7 @@ const BASELINE_SEEDS: usize = 5;
 const OPTIONAL_FILES: [&str; 5] =
     ["verification.json", "candidates.csv", "candidates.parquet", "polished.json", "polished.csv"];
 
-pub(super) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<(), Failure> {
+pub(super) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<Verdict, Failure> {
     let start = Instant::now();
     let mut problem = arguments.problem.problem()?;
     let selection = &mut problem.selection;
@@ -109,8 +110,9 @@ pub(super) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<(), 
     drop(writing);
 
     screen.document(&plan.to_json())?;
+    let verdict = verified.as_ref().map_or(Verdict::Good, |found| verify_command::judgement(found).verdict());
     if !screen.shows_text() {
-        return Ok(());
+        return Ok(verdict);
     }
     let summary = summary(&problem, &survey, &chooser, &plan)?;
     let names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
@@ -120,7 +122,8 @@ pub(super) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<(), 
         problem.output.display(),
         names.join(", "),
         start.elapsed().as_secs_f64(),
-    ))
+    ))?;
+    Ok(verdict)
 }
 
 /// The plan's simulated calibrations, unless none were asked for.
@@ -150,7 +153,7 @@ fn sentence(found: &MonteCarlo) -> String {
         "\n{} simulated calibrations, {failed}: map error {} px measured. {}",
         found.count,
         short(found.map_error.measured),
-        verify_command::verdict(found),
+        verify_command::judgement(found).sentence,
     )
 }
 

@@ -9,6 +9,7 @@ use super::failure::Failure;
 use super::planned::Planned;
 use super::screen::{Screen, short, table};
 use super::trials;
+use super::verdict::Verdict;
 use crate::plan::{Plan, verify};
 use crate::verification::{Disturbance, MonteCarlo, deviation_interval};
 
@@ -84,7 +85,7 @@ impl DisturbanceArguments {
     }
 }
 
-pub(super) fn run(arguments: &VerifyArguments, screen: &mut Screen) -> Result<(), Failure> {
+pub(super) fn run(arguments: &VerifyArguments, screen: &mut Screen) -> Result<Verdict, Failure> {
     if arguments.trials == 0 {
         return Err(Failure::Usage("--trials must be at least 2".into()));
     }
@@ -121,8 +122,9 @@ pub(super) fn run(arguments: &VerifyArguments, screen: &mut Screen) -> Result<()
         short(found.map_error.measured),
         short(found.map_error.standard_error),
         failures(&found),
-        verdict(&found),
-    ))
+        judgement(&found).sentence,
+    ))?;
+    Ok(judgement(&found).verdict())
 }
 
 /// How many trials failed, and why.
@@ -149,15 +151,32 @@ const LEAST_TRIALS: usize = 30;
 /// A greater share of failed trials is said in the verdict.
 const MANY_FAILURES: f64 = 0.01;
 
-/// What the trials say of the plan, in words. The verdict as a whole errs once in a hundred plans that do as predicted: each
-/// of the p intervals is taken at a confidence of 1 − 0.01/p.
-pub(super) fn verdict(found: &MonteCarlo) -> String {
-    let good = found.count - found.failures.len();
-    if good < 2 {
-        return String::from("Verdict: the plan does not lead to a calibration.");
+/// What the trials say of the plan.
+pub(super) struct Judgement {
+    /// Whether it does what it predicts; `None` if they are too few to tell.
+    pub(super) holds: Option<bool>,
+    /// The same in words.
+    pub(super) sentence: String,
+}
+
+impl Judgement {
+    pub(super) fn verdict(&self) -> Verdict {
+        Verdict::good_if(self.holds != Some(false))
     }
+}
+
+/// Judges the plan by its trials. The judgement as a whole errs once in a hundred plans that do as predicted: each of the p
+/// intervals is taken at a confidence of 1 − 0.01/p.
+pub(super) fn judgement(found: &MonteCarlo) -> Judgement {
+    let good = found.count - found.failures.len();
+    let failed = found.failures.len() as f64 / found.count as f64;
     if good < LEAST_TRIALS {
-        return format!("Verdict: none; {good} calibrations tell too little, at least {LEAST_TRIALS} are needed.");
+        let (holds, sentence) = match good {
+            0 => (Some(false), "Verdict: the plan does not lead to a calibration.".into()),
+            _ if failed > 0.5 => (Some(false), format!("Verdict: {:.0} % of the calibrations fail.", 100.0 * failed)),
+            _ => (None, format!("Verdict: none; {good} of {LEAST_TRIALS} calibrations that a verdict takes.")),
+        };
+        return Judgement { holds, sentence };
     }
     let (low, high) = deviation_interval(good, 1.0 - 0.01 / found.parameters.len() as f64);
     let worse: Vec<&str> = found.parameters.iter().filter(|p| p.ratio * low > 1.0).map(|p| p.name).collect();
@@ -167,16 +186,17 @@ pub(super) fn verdict(found: &MonteCarlo) -> String {
         (true, false) => format!("the plan does better than predicted in {}", better.join(", ")),
         (false, _) => format!("the plan does worse than predicted in {}", worse.join(", ")),
     };
-    let failed = found.failures.len() as f64 / found.count as f64;
-    if failed > MANY_FAILURES {
+    let sentence = if failed > MANY_FAILURES {
         format!("Verdict: {:.0} % of the calibrations fail; of the others, {scatter}.", 100.0 * failed)
     } else {
         format!("Verdict: {scatter}.")
-    }
+    };
+    Judgement { holds: Some(worse.is_empty() && failed <= MANY_FAILURES), sentence }
 }
 
 /// The document of `--json`, and of `verification.json`.
 pub(super) fn document(plan: &Plan, found: &MonteCarlo, seed: u64) -> Value {
+    let judgement = judgement(found);
     let parameters: Vec<Value> = found
         .parameters
         .iter()
@@ -212,6 +232,7 @@ pub(super) fn document(plan: &Plan, found: &MonteCarlo, seed: u64) -> Value {
             .iter()
             .map(|failure| json!({ "trial": failure.trial, "reason": failure.reason.to_string() }))
             .collect::<Vec<_>>(),
-        "verdict": verdict(found),
+        "holds": judgement.holds,
+        "verdict": judgement.sentence,
     })
 }

@@ -54,6 +54,14 @@ impl Desk {
         text(&output.stdout)
     }
 
+    /// What a command prints that did its work and says that its result is bad.
+    pub(crate) fn bad(&self, line: &str) -> String {
+        let output = self.run(line);
+        assert_eq!(output.status.code(), Some(4), "{line}: {}", text(&output.stderr));
+        assert_eq!(text(&output.stderr), "", "{line}");
+        text(&output.stdout)
+    }
+
     pub(crate) fn json(&self, line: &str) -> Value {
         serde_json::from_str(&self.stdout(line)).unwrap()
     }

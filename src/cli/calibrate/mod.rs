@@ -10,6 +10,7 @@ use report::Report;
 
 use super::failure::Failure;
 use super::screen::Screen;
+use super::verdict::Verdict;
 use super::{WRITING, by_name};
 use crate::calibration::{
     Calibration, CalibrationError, CalibrationSettings, Loss, Observations, RefinementSettings, calibrate,
@@ -71,7 +72,7 @@ enum FormatName {
 /// Scale, px, of a robust loss before the noise is known.
 const FIRST_SCALE: f64 = 1.0;
 
-pub(super) fn run(arguments: &CalibrateArguments, screen: &mut Screen) -> Result<(), Failure> {
+pub(super) fn run(arguments: &CalibrateArguments, screen: &mut Screen) -> Result<Verdict, Failure> {
     let (stated, model) = setting(arguments)?;
     let path = &arguments.observations;
     let found =
@@ -102,7 +103,8 @@ pub(super) fn run(arguments: &CalibrateArguments, screen: &mut Screen) -> Result
     drop(writing);
     screen.document(&document.to_string())?;
     let written: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
-    screen.text(&format!("{}\nWritten to {}: {}.", report.text(), arguments.output.display(), written.join(", ")))
+    screen.text(&format!("{}\nWritten to {}: {}.", report.text(), arguments.output.display(), written.join(", ")))?;
+    Ok(Verdict::Good)
 }
 
 /// The nominal camera, of which what is not estimated is kept, and the intrinsics to estimate.
