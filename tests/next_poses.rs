@@ -70,8 +70,10 @@ fn the_next_poses_bring_the_map_error_down_to_the_wish() {
     assert_eq!(some["fulfilled"], true);
     assert!(expected(&some) <= wish);
     let fewer = some["poses"].as_array().unwrap().len() - 1;
-    let short =
-        json_of(desk.path(), &format!("next out/plan.json seen.json --json --map-error-px {wish} --most {fewer}"));
+    let line = format!("next out/plan.json seen.json --json --map-error-px {wish} --most {fewer}");
+    let output = calipose(desk.path(), &line);
+    assert_eq!(output.status.code(), Some(4), "{output:?}");
+    let short: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(short["fulfilled"], false);
 
     let enough =
