@@ -2,7 +2,8 @@
 
 mod criterion;
 mod diversity;
-mod map;
+mod image_area;
+mod map_error;
 pub mod packed;
 mod set;
 mod view;
@@ -10,7 +11,7 @@ mod zhang;
 
 pub use criterion::Criterion;
 pub use diversity::DiversityModel;
-pub use map::{map_error_at, map_error_weight, pixel_units};
+pub use map_error::{map_error_at, map_error_weight, pixel_units};
 pub use set::{InformationError, InformationSet};
 pub use view::Measurement;
 pub use zhang::ZHANG_DIRECTIONS;

@@ -2,40 +2,41 @@
 
 use nalgebra::{DMatrix, Vector2};
 
+use super::image_area::{AreaNode, image_area};
 use crate::camera::Camera;
 use crate::spatial::skew;
 
-/// Columns of the grid of image points; the rows follow from the image's shape.
-const COLUMNS: usize = 25;
-
-/// The p×p weight W of the map error: `tr(W · cov θ)` is the expected squared error in px², averaged over a grid of image
-/// points, of the calibrated projection of fixed viewing directions.
+/// The p×p weight W of the map error: `tr(W · cov θ)` is the expected squared error in px², averaged over the image's area,
+/// of the calibrated projection of fixed viewing directions.
 ///
-/// With `J_g` (2×p) the derivative of the projection with respect to the `estimated` intrinsics at grid point g, and
-/// `R_g` (2×3) that with respect to a rotation of the camera, stack both over the grid; a small rotation is no calibration
-/// error, so its columns are projected out: `W = J⊥ᵀ J⊥ / points`, `J⊥ = J − R (RᵀR)⁻¹ RᵀJ`. Points that the lens does not
-/// reach are left out.
+/// With `J(u)` (2×p) the derivative of the projection of the direction seen at image point u with respect to the `estimated`
+/// intrinsics, and `R(u)` (2×3) that with respect to a rotation of the camera: a small rotation is no calibration error,
+/// so what it explains best over the whole image is projected out, `J⊥ = J − R (∫RᵀR du)⁻¹ ∫RᵀJ du`, and
+/// `W = (1/|Ω|) ∫ J⊥ᵀJ⊥ du`. The area Ω is the image, [−½, w−½] × [−½, h−½], as far as the lens reaches.
 pub fn map_error_weight(camera: &Camera, estimated: &[usize]) -> DMatrix<f64> {
-    let (J, R) = on_grid(camera, estimated);
-    let points = J.nrows() / 2;
+    weight_over(camera, estimated, &image_area(camera))
+}
+
+/// The weight with the integrals as sums over `nodes`.
+pub(super) fn weight_over(camera: &Camera, estimated: &[usize], nodes: &[AreaNode]) -> DMatrix<f64> {
+    let (J, R) = stacked(camera, estimated, nodes);
     let Q = R.qr().q();
     let J_perpendicular = &J - &Q * (Q.transpose() * &J);
-    J_perpendicular.transpose() * J_perpendicular / points.max(1) as f64
+    J_perpendicular.transpose() * J_perpendicular
 }
 
 /// The unit of each of the `estimated` intrinsics in which they are alike: the change of it alone that moves the image of
-/// fixed viewing directions by 1 px RMS over the same grid of image points.
+/// fixed viewing directions by 1 px RMS over the image's area.
 pub fn pixel_units(camera: &Camera, estimated: &[usize]) -> Vec<f64> {
-    let (J, _) = on_grid(camera, estimated);
-    let points = (J.nrows() / 2).max(1) as f64;
-    J.column_iter().map(|column| (column.norm_squared() / points).sqrt().recip()).collect()
+    let (J, _) = stacked(camera, estimated, &image_area(camera));
+    J.column_iter().map(|column| column.norm().recip()).collect()
 }
 
 /// The map error at each of `pixels`: the expected RMS distance in px by which an error of `covariance` (p×p, of the
 /// `estimated` intrinsics) moves the projection of the direction seen there, or none where the lens does not reach.
 ///
-/// The rotation taken out is that of [`map_error_weight`], the best over the whole image; so the mean square over that
-/// function's grid is `tr(W · cov θ)`. With `T = (RᵀR)⁻¹RᵀJ` of the grid and `J_x`, `R_x` of the pixel it is the root of
+/// The rotation taken out is that of [`map_error_weight`], the best over the whole image; so the mean square over the
+/// image's area is `tr(W · cov θ)`. With `T = (∫RᵀR)⁻¹∫RᵀJ` and `J_x`, `R_x` of the pixel it is the root of
 /// `tr((J_x − R_x T) cov θ (J_x − R_x T)ᵀ)`.
 pub fn map_error_at(
     camera: &Camera,
@@ -43,7 +44,7 @@ pub fn map_error_at(
     covariance: &DMatrix<f64>,
     pixels: &[Vector2<f64>],
 ) -> Vec<Option<f64>> {
-    let (J, R) = on_grid(camera, estimated);
+    let (J, R) = stacked(camera, estimated, &image_area(camera));
     let qr = R.qr();
     let T = qr.r().solve_upper_triangular(&(qr.q().transpose() * J));
     let error = |pixel: &Vector2<f64>| {
@@ -54,19 +55,15 @@ pub fn map_error_at(
     pixels.iter().map(error).collect()
 }
 
-/// J (2 rows a point, p columns) and R (2 rows a point, 3 columns) of the points of the grid.
-fn on_grid(camera: &Camera, estimated: &[usize]) -> (DMatrix<f64>, DMatrix<f64>) {
-    let (width, height) = (f64::from(camera.width()), f64::from(camera.height()));
-    let rows = ((COLUMNS as f64 * height / width).ceil() as usize).clamp(2, COLUMNS * COLUMNS);
-    let at = |i: usize, count: usize, size: f64| i as f64 / (count - 1) as f64 * (size - 1.0);
-    let grid = (0..rows * COLUMNS)
-        .map(|g| Vector2::new(at(g % COLUMNS, COLUMNS, width), at(g / COLUMNS, rows, height)))
-        .filter_map(|pixel| derivatives(camera, estimated, &pixel));
+/// J (2 rows a node, p columns) and R (2 rows a node, 3 columns), each row by the root of the node's share: sums of products
+/// of the stack's columns are means over the area.
+fn stacked(camera: &Camera, estimated: &[usize], nodes: &[AreaNode]) -> (DMatrix<f64>, DMatrix<f64>) {
     let (mut J, mut R) = (Vec::new(), Vec::new());
-    for (J_g, R_g) in grid {
+    for AreaNode { pixel, share } in nodes {
+        let Some((J_u, R_u)) = derivatives(camera, estimated, pixel) else { continue };
         for r in 0..2 {
-            J.extend(J_g.row(r).iter());
-            R.extend(R_g.row(r).iter());
+            J.extend(J_u.row(r).iter().map(|entry| entry * share.sqrt()));
+            R.extend(R_u.row(r).iter().map(|entry| entry * share.sqrt()));
         }
     }
     let rows = R.len() / 3;
@@ -90,21 +87,30 @@ mod tests {
     use super::*;
     use crate::camera::Lens;
 
-    /// For a small change of the intrinsics, √(δᵀWδ) is the RMS distance left after the best rotation, found here by
-    /// minimising over rotations directly.
+    fn camera() -> Camera {
+        let θ = [1000.0, 990.0, 639.5, 359.5, -0.2, 0.05, 1e-3, -1e-3, 0.01];
+        Camera::new(Lens::BrownConrady, 1280, 720, &θ).unwrap()
+    }
+
+    /// The centres of 64 × 36 equal cells: each stands for the same area.
+    fn cells() -> impl Iterator<Item = Vector2<f64>> {
+        let center = |i: usize| i as f64 * 20.0 + 9.5;
+        (0..64 * 36).map(move |g| Vector2::new(center(g % 64), center(g / 64)))
+    }
+
+    /// For a small change of the intrinsics, √(δᵀWδ) is the RMS distance over the area left after the best rotation, found
+    /// here by minimising over rotations directly.
     #[test]
     fn weight_is_the_residual_after_the_best_rotation() {
-        let θ = [1000.0, 990.0, 639.5, 359.5, -0.2, 0.05, 1e-3, -1e-3, 0.01];
-        let camera = Camera::new(Lens::BrownConrady, 1280, 720, &θ).unwrap();
+        let camera = camera();
         let estimated: Vec<usize> = (0..9).collect();
         let δ = DVector::from_row_slice(&[0.02, -0.01, 0.03, -0.02, 1e-5, -2e-5, 1e-6, 2e-6, 1e-5]);
-        let moved: Vec<f64> = θ.iter().zip(&δ).map(|(a, b)| a + b).collect();
+        let moved: Vec<f64> = camera.intrinsics().iter().zip(&δ).map(|(a, b)| a + b).collect();
         let moved = camera.with_intrinsics(&moved).unwrap();
         let residuals = |ω: &Vector3<f64>| -> DVector<f64> {
             let R = Rotation3::from_scaled_axis(*ω);
             let mut out = Vec::new();
-            for g in 0..25 * 15 {
-                let pixel = Vector2::new(f64::from(g % 25) / 24.0 * 1279.0, f64::from(g / 25) / 14.0 * 719.0);
+            for pixel in cells() {
                 let ray = camera.unproject(&pixel).unwrap();
                 out.extend((moved.project(&(R * ray.into_inner()).into()).unwrap() - pixel).iter().copied());
             }
@@ -121,24 +127,22 @@ mod tests {
             let step = (slope.transpose() * &slope).try_inverse().unwrap() * slope.transpose() * r;
             ω -= Vector3::new(step[0], step[1], step[2]);
         }
-        let rms = (residuals(&ω).norm_squared() / 375.0).sqrt();
+        let rms = (residuals(&ω).norm_squared() / cells().count() as f64).sqrt();
         let W = map_error_weight(&camera, &estimated);
         let predicted = (δ.transpose() * W * &δ)[0].sqrt();
-        assert!((predicted / rms - 1.0).abs() < 1e-3, "{predicted} {rms}");
+        assert!((predicted / rms - 1.0).abs() < 2e-3, "{predicted} {rms}");
     }
 
     #[test]
-    fn errors_at_the_grid_average_to_the_weight() {
-        let θ = [1000.0, 990.0, 639.5, 359.5, -0.2, 0.05, 1e-3, -1e-3, 0.01];
-        let camera = Camera::new(Lens::BrownConrady, 1280, 720, &θ).unwrap();
+    fn errors_over_the_area_average_to_the_weight() {
+        let camera = camera();
         let estimated = [0, 1, 2, 3, 4, 6];
         let root = DMatrix::from_fn(6, 6, |i, j| if i < 4 { 0.1 } else { 1e-4 } * (1.0 + (i * 7 + j * 3) as f64).sin());
         let covariance = &root * root.transpose();
-        let pixel = |g: usize| Vector2::new((g % 25) as f64 / 24.0 * 1279.0, (g / 25) as f64 / 14.0 * 719.0);
-        let pixels: Vec<_> = (0..25 * 15).map(pixel).collect();
+        let pixels: Vec<_> = cells().collect();
         let errors = map_error_at(&camera, &estimated, &covariance, &pixels);
-        let mean = errors.iter().map(|error| error.unwrap().powi(2)).sum::<f64>() / 375.0;
+        let mean = errors.iter().map(|error| error.unwrap().powi(2)).sum::<f64>() / pixels.len() as f64;
         let expected = (map_error_weight(&camera, &estimated) * covariance).trace();
-        assert!((mean / expected - 1.0).abs() < 1e-9, "{mean} {expected}");
+        assert!((mean / expected - 1.0).abs() < 2e-3, "{mean} {expected}");
     }
 }

@@ -1,0 +1,145 @@
+"""A plan's predicted standard deviations and map error against OpenCV and NumPy.
+
+    python tests/cross_check/map_error.py PROBLEM PLAN [PROBLEM PLAN ...]
+
+From a plan's camera poses and its problem file alone: OpenCV's Jacobians of the corners by the intrinsics and by each view's
+pose, which a QR eliminates; the covariance of the intrinsics; and the map error as an integral over the image's area
+by a product Gauss rule on OpenCV's undistorted rays. Makes a virtual environment with OpenCV from PyPI (in
+$CROSS_CHECK_VENV, or a temporary folder). Exits with 1 where plan.json says otherwise by more than TOLERANCE.
+"""
+
+import json
+import sys
+import tomllib
+from pathlib import Path
+
+from environment import run_with
+
+TOLERANCE = 1e-5
+GAUSS_ORDER = 60
+FISHEYE = "kannala-brandt"
+COEFFICIENTS = {
+    "none": [],
+    "brown-conrady": ["k1", "k2", "p1", "p2", "k3"],
+    "rational": ["k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"],
+    FISHEYE: ["k1", "k2", "k3", "k4"],
+}
+
+
+def rotation(quaternion_xyzw):
+    x, y, z, w = quaternion_xyzw
+    return np.array([
+        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+    ])
+
+
+def from_rpy(rpy_deg):
+    """Fixed axes: roll about x, then pitch about y, then yaw about z."""
+    r, p, y = np.radians(rpy_deg)
+    about_x = np.array([[1, 0, 0], [0, np.cos(r), -np.sin(r)], [0, np.sin(r), np.cos(r)]])
+    about_y = np.array([[np.cos(p), 0, np.sin(p)], [0, 1, 0], [-np.sin(p), 0, np.cos(p)]])
+    about_z = np.array([[np.cos(y), -np.sin(y), 0], [np.sin(y), np.cos(y), 0], [0, 0, 1]])
+    return about_z @ about_y @ about_x
+
+
+class Camera:
+    def __init__(self, file):
+        self.model = file.get("distortion", {}).get("model", "none")
+        self.size = file["width_px"], file["height_px"]
+        width, height = self.size
+        self.fx, self.fy = file["fx_px"], file["fy_px"]
+        self.cx, self.cy = file.get("cx_px", (width - 1) / 2), file.get("cy_px", (height - 1) / 2)
+        self.coefficients = [file.get("distortion", {}).get(name, 0.0) for name in COEFFICIENTS[self.model]]
+        self.K = np.array([[self.fx, 0, self.cx], [0, self.fy, self.cy], [0, 0, 1.0]])
+        self.D = np.array(self.coefficients, dtype=float)
+        self.names = ["fx", "fy", "cx", "cy", *COEFFICIENTS[self.model]]
+
+    def jacobians(self, points, rvec, tvec):
+        """By the intrinsics (2m x p) and by rvec and tvec (2m x 6)."""
+        points = np.ascontiguousarray(points, dtype=float).reshape(-1, 1, 3)
+        if self.model == FISHEYE:
+            _, J = cv2.fisheye.projectPoints(points, rvec, tvec, self.K, self.D)
+            # f, c, k, rvec, tvec, skew.
+            return J[:, :8], J[:, 8:14]
+        _, J = cv2.projectPoints(points, rvec, tvec, self.K, self.D if self.D.size else None)
+        return J[:, 6:6 + len(self.names)], J[:, :6]
+
+    def rays(self, pixels):
+        pixels = pixels.reshape(-1, 1, 2)
+        criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 500, 1e-15)
+        if self.model == FISHEYE:
+            plane = cv2.fisheye.undistortPoints(pixels, self.K, self.D, criteria=criteria)
+        elif self.D.size:
+            plane = cv2.undistortPoints(pixels, self.K, self.D, None, None, None, criteria)
+        else:
+            plane = cv2.undistortPoints(pixels, self.K, None)
+        return np.column_stack([plane.reshape(-1, 2), np.ones(len(pixels))])
+
+
+def corners(target):
+    columns, rows, square = target["columns"], target["rows"], target["square_mm"] / 1e3
+    x = (np.arange(columns) - (columns - 1) / 2) * square
+    y = (np.arange(rows) - (rows - 1) / 2) * square
+    return np.array([[a, b, 0.0] for b in y for a in x])
+
+
+def information(camera, board, board_pose, pose, sigma):
+    """The p x p information of one view on all intrinsics, its pose eliminated."""
+    R_BT, t_BT = board_pose
+    R_BC = rotation(pose["camera_in_base"]["quaternion_xyzw"])
+    t_BC = np.array(pose["camera_in_base"]["position_m"])
+    R, t = R_BC.T @ R_BT, R_BC.T @ (t_BT - t_BC)
+    seen = pose.get("corners_seen")
+    A, B = camera.jacobians(board if seen is None else board[seen], cv2.Rodrigues(R)[0], t.reshape(3, 1))
+    Q = np.linalg.qr(B)[0]
+    A = A - Q @ (Q.T @ A)
+    return A.T @ A / sigma**2
+
+
+def map_weight(camera, estimated):
+    width, height = camera.size
+    nodes, weights = np.polynomial.legendre.leggauss(GAUSS_ORDER)
+    u, v = (nodes + 1) / 2 * width - 0.5, (nodes + 1) / 2 * height - 0.5
+    pixels = np.array([[a, b] for b in v for a in u])
+    share = np.array([p * q for q in weights for p in weights]) / 4
+    J, by_pose = camera.jacobians(camera.rays(pixels), np.zeros((3, 1)), np.zeros((3, 1)))
+    root = np.repeat(np.sqrt(share), 2)[:, None]
+    J, R = J[:, estimated] * root, by_pose[:, :3] * root
+    Q = np.linalg.qr(R)[0]
+    J = J - Q @ (Q.T @ J)
+    return J.T @ J
+
+
+def compare(problem_path, plan_path):
+    problem = tomllib.loads(Path(problem_path).read_text())
+    plan = json.loads(Path(plan_path).read_text())
+    camera = Camera(problem["camera"])
+    names = plan["intrinsics"]["names"]
+    estimated = [camera.names.index(name) for name in names]
+    pose = problem["target"]["pose"]
+    board_pose = from_rpy(pose.get("rpy_deg", [0, 0, 0])), np.array(pose["position_mm"]) / 1e3
+    board, sigma = corners(problem["target"]), problem["noise"]["sigma_px"]
+    M = sum(information(camera, board, board_pose, pose, sigma) for pose in plan["poses"])
+    M = M[np.ix_(estimated, estimated)]
+    unit = 1 / np.sqrt(np.diag(M))
+    covariance = np.linalg.inv(M * np.outer(unit, unit)) * np.outer(unit, unit)
+    found = np.sqrt(np.trace(map_weight(camera, estimated) @ covariance))
+    worst = max(abs(s / t - 1) for s, t in zip(np.sqrt(np.diag(covariance)), plan["intrinsics"]["sigma"]))
+    stated = plan["map_error_px"]
+    print(f"{plan_path}: {len(plan['poses'])} poses; map error {stated:.6f} px, by OpenCV and NumPy {found:.6f}; "
+          f"worst sigma off by {worst:.1e}")
+    return abs(found / stated - 1) <= TOLERANCE and worst <= TOLERANCE
+
+
+if __name__ == "__main__":
+    run_with("numpy==2.4.6", "opencv-python-headless==5.0.0.93")
+    import cv2
+    import numpy as np
+
+    pairs = sys.argv[1:]
+    if not pairs or len(pairs) % 2:
+        sys.exit(__doc__)
+    good = [compare(*pair) for pair in zip(pairs[::2], pairs[1::2])]
+    sys.exit(0 if all(good) else 1)
