@@ -47,7 +47,7 @@ fn feasibility(bench: &mut Bench) {
     let stability = stability.as_ref().expect("the problem tests stability");
     let candidates = sweep(robot, target, space, problem.axis, &|_| {}).candidates;
     let checks = problem.checks();
-    let occlusion = Occlusion::new(&robot.tree);
+    let occlusion = Occlusion::new(&robot.tree, robot.camera_link);
     let corners: Vec<_> = target.board.corners().collect();
     let poses: Vec<_> = candidates
         .iter()
@@ -65,7 +65,7 @@ fn feasibility(bench: &mut Bench) {
     let hidden =
         |(X_BL, X_BC): &(Vec<Pose>, Pose)| occlusion.hidden(X_BL, X_BC, &target.X_BT, &corners).contains(&true);
     group.bench_function("stability", |b| b.iter(|| poses.par_iter().filter(|p| stable(p)).count()));
-    group.bench_function("self-collision", |b| b.iter(|| poses.par_iter().filter(|p| collides(p)).count()));
+    group.bench_function("collision", |b| b.iter(|| poses.par_iter().filter(|p| collides(p)).count()));
     group.bench_function("occlusion", |b| b.iter(|| poses.par_iter().filter(|p| hidden(p)).count()));
     let all = |id: &usize| {
         let q = space.configuration(*id);

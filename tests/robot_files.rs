@@ -272,6 +272,24 @@ fn problem_files_choose_the_arm() {
 }
 
 /// The sweep's tables hold only for joints that drive stages side by side; for others it must find the same.
+/// Obstacles stand in the frame of `base_link`, wherever the URDF's root is and whatever carries the board.
+#[test]
+fn obstacles_stand_in_the_frame_of_the_base_link() {
+    let robot = "urdf = \"robot/robot.urdf\"\nbase_link = \"column\"\ncamera_link = \"tool\"\n\
+                 [[scene.bodies]]\nname = \"post\"\nsphere_mm = 50\npose = { position_mm = [0, 400, 500] }";
+    let problem = problem(robot, "link = \"wheel\"\n").unwrap();
+    let tree = &problem.robot.tree;
+    let [post] = problem.robot.obstacles[..] else { panic!() };
+    assert_eq!((tree.links[post].name.as_str(), tree.links[post].parent), ("post", Some(0)));
+    assert_eq!(tree.links[0].name, "column");
+    let q = vec![0.3; problem.robot.chain.dof()];
+    let (X_RL, X_BL) = (tree.link_poses(&q), problem.robot.link_poses(&q));
+    let body = tree.links[post].bodies[0].X_LG;
+    assert_eq!(X_RL[post] * body, Pose::translation(0.0, 0.4, 0.5));
+    let seen_from_board = X_RL[problem.robot.board_link].inverse() * X_RL[0] * body;
+    assert!(((X_BL[post] * body).to_homogeneous() - seen_from_board.to_homogeneous()).norm() < 1e-12);
+}
+
 #[test]
 fn sweeps_find_the_same_whatever_drives_what() {
     let mut problem = problem(

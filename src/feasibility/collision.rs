@@ -1,11 +1,11 @@
-//! Self-collision: which pairs of links are tested, and whether any is too close.
+//! Collision: which pairs of links are tested, the robot's own and the obstacles around it, and whether any is too close.
 
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
 use super::solid::{Placed, Solid};
-use crate::robot::{Limits, Motion, Tree};
+use crate::robot::{Limits, Motion, Robot, Tree};
 use crate::spatial::Pose;
 
 /// Random configurations from which the pairs that always touch are found.
@@ -27,23 +27,43 @@ pub struct LinkPairs {
     /// Tested, and the share of the random configurations in which they were within the clearance. A pair that none showed
     /// is tested all the same: that it was never seen does not prove that it cannot be.
     pub tested: Vec<(LinkPair, f64)>,
+    /// Of the tested, those within the clearance in every one of the random configurations, though not always in contact: no
+    /// pose is likely to pass.
+    pub close: Vec<Close>,
 }
 
-/// The test for self-collision.
+/// Two links that are always within the clearance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Close {
+    /// The links.
+    pub links: LinkPair,
+    /// Least distance in the random configurations, m; 0 where they touch.
+    pub nearest: f64,
+    /// Greatest distance, m.
+    pub farthest: f64,
+}
+
+/// The test for collision of the robot with itself and with the obstacles around it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct SelfCollision {
+pub struct Collision {
     solids: Vec<Solid>,
-    /// Solids to measure against each other, those of the pairs that collide most often first.
+    /// Solids to measure against each other: those of the robot's own links, then those with an obstacle; among each those of
+    /// the pairs that collide most often first.
     pairs: Vec<[usize; 2]>,
     clearance: f64,
     links: LinkPairs,
 }
 
-impl SelfCollision {
-    /// The test for the bodies of `tree` with `clearance` (m, not negative): touching is a collision at a clearance of 0.
-    /// Pairs in contact in all of 1000 random configurations within `limits` are left out, as `MoveIt`'s setup does: their models
-    /// overlap where the robot does not.
-    pub fn new(tree: &Tree, limits: &[Limits], clearance: f64) -> Self {
+impl Collision {
+    /// The test for the bodies of `robot` and of the obstacles around it with `clearance` (m, not negative): touching is a
+    /// collision at a clearance of 0. Pairs in contact in all of 1000 random configurations within the joint limits are left out,
+    /// as `MoveIt`'s setup does: their models overlap where the robot does not.
+    pub fn new(robot: &Robot, clearance: f64) -> Self {
+        let limits: Vec<Limits> = robot.chain.joints.iter().map(|joint| joint.limits).collect();
+        Self::of_tree(&robot.tree, &robot.obstacles, &limits, clearance)
+    }
+
+    fn of_tree(tree: &Tree, obstacles: &[usize], limits: &[Limits], clearance: f64) -> Self {
         let solids = Solid::all(tree);
         let mut links = LinkPairs { adjacent: adjacent(tree), ..LinkPairs::default() };
         let bodied: Vec<usize> = (0..tree.links.len()).filter(|&i| !tree.links[i].bodies.is_empty()).collect();
@@ -79,13 +99,24 @@ impl SelfCollision {
         }
         let share = |&(pair, count): &(LinkPair, usize)| (pair, count as f64 / SAMPLES as f64);
         links.tested = tested.iter().map(share).collect();
-        tested.sort_by_key(|&(_, count)| std::cmp::Reverse(count));
+        for &(pair, _) in tested.iter().filter(|&&(_, count)| count == SAMPLES) {
+            let gap = |placed: &Vec<Placed>| {
+                let gaps = between(pair).map(|[i, j]| placed[i].gap(&placed[j]));
+                gaps.fold(f64::INFINITY, f64::min).max(0.0)
+            };
+            let gaps: Vec<f64> = placed.par_iter().map(gap).collect();
+            let (nearest, farthest) = gaps.iter().fold((f64::INFINITY, 0.0f64), |(a, b), &g| (a.min(g), b.max(g)));
+            links.close.push(Close { links: pair, nearest, farthest });
+        }
+        let with_obstacle = |[a, b]: LinkPair| obstacles.contains(&a) || obstacles.contains(&b);
+        tested.sort_by_key(|&(pair, count)| (with_obstacle(pair), std::cmp::Reverse(count)));
         let pairs = tested.iter().flat_map(|&(pair, _)| between(pair)).collect();
         drop(placed);
         for list in [&mut links.adjacent, &mut links.disabled, &mut links.always] {
             list.sort_unstable();
         }
         links.tested.sort_by_key(|&(pair, _)| pair);
+        links.close.sort_by_key(|close| close.links);
         Self { solids, pairs, clearance, links }
     }
 
@@ -103,8 +134,15 @@ impl SelfCollision {
     ///
     /// "No" is proven by a plane between every two bodies, but for rounding.
     pub fn collides(&self, X_BL: &[Pose]) -> bool {
+        self.first(X_BL).is_some()
+    }
+
+    /// A tested pair of links within the clearance of each other, the links being at `X_BL`, if there is one: of the robot's own
+    /// links where there are such, of a link and an obstacle else.
+    pub fn first(&self, X_BL: &[Pose]) -> Option<LinkPair> {
         let placed = Placed::all(&self.solids, X_BL);
-        self.pairs.iter().any(|&[i, j]| placed[i].is_within(self.clearance, &placed[j]))
+        let close = self.pairs.iter().find(|&&[i, j]| placed[i].is_within(self.clearance, &placed[j]));
+        close.map(|&[i, j]| [self.solids[i].link, self.solids[j].link])
     }
 
     /// The tested pairs of links with the distance in m between their nearest bodies, the links being at `X_BL`. Not positive
@@ -132,13 +170,6 @@ fn samples(limits: &[Limits]) -> Vec<Vec<f64>> {
 fn adjacent(tree: &Tree) -> Vec<LinkPair> {
     let is_bodied = |link: usize| !tree.links[link].bodies.is_empty();
     let moves = |link: usize| tree.links[link].motion != Motion::Fixed;
-    // The link that a link is rigidly joined to and that itself moves, or the root.
-    let mover = |mut link: usize| {
-        while let (false, Some(parent)) = (moves(link), tree.links[link].parent) {
-            link = parent;
-        }
-        link
-    };
     let is_neighbour = |ancestor: usize, mut link: usize| {
         let mut joints = 0;
         loop {
@@ -152,7 +183,7 @@ fn adjacent(tree: &Tree) -> Vec<LinkPair> {
     };
     let bodied: Vec<usize> = (0..tree.links.len()).filter(|&link| is_bodied(link)).collect();
     let pairs = bodied.iter().enumerate().flat_map(|(n, &b)| bodied[..n].iter().map(move |&a| [a, b]));
-    pairs.filter(|&[a, b]| mover(a) == mover(b) || is_neighbour(a, b)).collect()
+    pairs.filter(|&[a, b]| tree.mover(a) == tree.mover(b) || is_neighbour(a, b)).collect()
 }
 
 #[cfg(test)]
@@ -191,24 +222,24 @@ mod tests {
     #[test]
     fn neighbours_are_not_tested_and_the_others_are() {
         let (tree, limits) = arm(0.05);
-        let collision = SelfCollision::new(&tree, &limits, 0.0);
+        let collision = Collision::of_tree(&tree, &[], &limits, 0.0);
         assert_eq!(collision.links().adjacent, [[2, 4], [4, 6]]);
         let [([2, 6], share)] = collision.links().tested[..] else { panic!("{:?}", collision.links()) };
         assert!((0.1..0.5).contains(&share), "{share}");
         // A body removed from the middle makes the outer two no neighbours: two joints move between them.
         let mut open = tree.clone();
         open.links[4].bodies.clear();
-        assert_eq!(SelfCollision::new(&open, &limits, 0.0).links().tested.len(), 1);
+        assert_eq!(Collision::of_tree(&open, &[], &limits, 0.0).links().tested.len(), 1);
         // A plate on a base without bodies, and a block bolted to it: they do not move against each other, but the bar passes by.
         let mut plated = tree.clone();
         let ball = || Body { X_LG: Pose::identity(), shape: Shape::Sphere { radius: 0.3 } };
         let plate = plated.attach("plate", 0, Pose::translation(0.0, 1.0, 0.0), ball());
         let block = plated.attach("block", plate, Pose::translation(0.0, 0.0, 0.1), ball());
-        let links = SelfCollision::new(&plated, &limits, 0.0).links().clone();
+        let links = Collision::of_tree(&plated, &[], &limits, 0.0).links().clone();
         assert_eq!(links.adjacent, [[2, 4], [4, 6], [plate, block]]);
         assert!(links.tested.iter().any(|&(pair, share)| pair == [2, plate] && share > 0.0));
         let disabled = Tree { disabled: vec![[6, 2]], ..tree };
-        let collision = SelfCollision::new(&disabled, &limits, 0.0);
+        let collision = Collision::of_tree(&disabled, &[], &limits, 0.0);
         assert_eq!((collision.links().disabled.clone(), collision.is_empty()), (vec![[2, 6]], true));
     }
 
@@ -216,11 +247,63 @@ mod tests {
     fn pairs_that_always_touch_are_left_out() {
         let (mut tree, limits) = arm(0.05);
         tree.links[0].bodies.push(Body { X_LG: Pose::identity(), shape: Shape::Sphere { radius: 1.1 } });
-        let collision = SelfCollision::new(&tree, &limits, 0.0);
+        let collision = Collision::of_tree(&tree, &[], &limits, 0.0);
         // The second bar starts 1 m from the ball's centre.
         assert_eq!(collision.links().always, [[0, 4]]);
         assert!(!collision.collides(&tree.link_poses(&[0.0, 0.0, 0.0])));
         assert!(collision.collides(&tree.link_poses(&[0.0, 2.8, 0.0])));
+    }
+
+    /// A bar that can get away from a ball in a few configurations only is tested.
+    #[test]
+    fn pairs_that_seldom_part_are_tested() {
+        let (mut tree, mut limits) = arm(0.05);
+        tree.links[0].bodies.push(Body { X_LG: Pose::identity(), shape: Shape::Sphere { radius: 1.1 } });
+        // The third bar's end touches the ball if the second is turned back by more than 110°.
+        let from = 2.0 * (1.15f64 / 2.0).acos();
+        limits[1] = Limits { min: from - 0.08, max: PI };
+        let collision = Collision::of_tree(&tree, &[], &limits, 0.0);
+        assert_eq!(collision.links().always, [[0, 4]]);
+        assert!((0.93..1.0).contains(&share_of(&collision, [0, 6]).unwrap()), "{:?}", collision.links());
+        assert!(collision.links().close.is_empty());
+        // Always in contact is judged without the clearance.
+        limits[1] = Limits { min: from - 0.03, max: from - 0.001 };
+        limits[2] = Limits { min: 0.0, max: 0.0 };
+        let wide = Collision::of_tree(&tree, &[], &limits, 0.1);
+        let [close] = wide.links().close[..] else { panic!("{:?}", wide.links()) };
+        assert_eq!((close.links, share_of(&wide, [0, 6])), ([0, 6], Some(1.0)));
+        assert!(close.nearest > 0.0 && close.nearest < close.farthest && close.farthest < 0.1);
+    }
+
+    fn share_of(collision: &Collision, pair: LinkPair) -> Option<f64> {
+        collision.links().tested.iter().find(|(other, _)| *other == pair).map(|&(_, share)| share)
+    }
+
+    #[test]
+    fn contact_of_the_robot_with_itself_is_told_before_contact_with_an_obstacle() {
+        let (mut tree, limits) = arm(0.05);
+        // A wall 10 mm beside the plane of the bars, and a ball in it.
+        let half_extents = Vector3::new(3.0, 3.0, 0.1);
+        let wall = Body { X_LG: Pose::translation(0.0, 0.0, -0.16), shape: Shape::Box { half_extents } };
+        let wall = tree.attach("wall", 0, Pose::identity(), wall);
+        let gate = Body { X_LG: Pose::translation(-2.0, 0.0, 0.0), shape: Shape::Sphere { radius: 0.5 } };
+        let gate = tree.attach("gate", 0, Pose::identity(), gate);
+        let collision = Collision::of_tree(&tree, &[wall, gate], &limits, 0.0);
+        let first = |q: [f64; 3]| collision.first(&tree.link_poses(&q));
+        assert_eq!(first([0.0, 0.0, 0.0]), None);
+        assert_eq!(first([PI, 0.0, 0.0]).unwrap()[1], gate);
+        // Folded on itself away from the ball; almost so, in the ball; altogether, in the ball.
+        assert_eq!(first([0.0, 3.1, 3.1]), Some([2, 6]));
+        assert_eq!(first([PI, 0.5, 3.0]).unwrap()[1], gate);
+        assert_eq!(first([PI, 0.05, 3.1]), Some([2, 6]));
+        let near = Collision::of_tree(&tree, &[wall, gate], &limits, 0.011);
+        assert_eq!(
+            near.links().close.iter().map(|close| close.links).collect::<Vec<_>>(),
+            [[2, wall], [4, wall], [6, wall]]
+        );
+        assert!(
+            near.links().close.iter().all(|close| (close.nearest - 0.01).abs() < 1e-6 && close.farthest < 0.010_001)
+        );
     }
 
     #[test]
@@ -228,10 +311,10 @@ mod tests {
         let (tree, limits) = arm(0.05);
         // A square open at one side: first and third bar are parallel, 1 m apart less two radii.
         let X_BL = tree.link_poses(&[0.3, PI / 2.0, PI / 2.0]);
-        let gaps = SelfCollision::new(&tree, &limits, 0.0).gaps(&X_BL);
+        let gaps = Collision::of_tree(&tree, &[], &limits, 0.0).gaps(&X_BL);
         assert!((gaps[0].1 - 0.9).abs() < 1e-9);
-        assert!(!SelfCollision::new(&tree, &limits, 0.899).collides(&X_BL));
-        let wide = SelfCollision::new(&tree, &limits, 0.901);
+        assert!(!Collision::of_tree(&tree, &[], &limits, 0.899).collides(&X_BL));
+        let wide = Collision::of_tree(&tree, &[], &limits, 0.901);
         assert!(wide.collides(&X_BL));
         // The bars are never farther apart; a pair that is always too close is told, not left out.
         assert_eq!((wide.links().tested.clone(), wide.links().always.len()), (vec![([2, 6], 1.0)], 0));
@@ -246,7 +329,7 @@ mod tests {
             r in prop::array::uniform3(-2.0..2.0f64),
         ) {
             let (tree, limits) = arm(0.05);
-            let collision = SelfCollision::new(&tree, &limits, 0.01);
+            let collision = Collision::of_tree(&tree, &[], &limits, 0.01);
             let X_BL = tree.link_poses(&q);
             let X_WB = Pose::new(Vector3::from(p), Vector3::from(r));
             let moved: Vec<Pose> = X_BL.iter().map(|X_BL| X_WB * X_BL).collect();

@@ -1,7 +1,7 @@
 //! Which candidates are worth a picture: those that the robot can take and from which the camera really sees the board.
 //!
 //! [`Checks`] holds a candidate against everything in turn, the cheapest first: visibility in the image, [`Stability`],
-//! [`SelfCollision`], [`Occlusion`].
+//! [`Collision`], [`Occlusion`].
 
 mod collision;
 mod occlusion;
@@ -10,7 +10,7 @@ mod stability;
 mod views;
 mod visibility;
 
-pub use collision::{LinkPair, LinkPairs, SelfCollision};
+pub use collision::{Close, Collision, LinkPair, LinkPairs};
 pub use occlusion::Occlusion;
 pub use stability::{Stability, StabilityError};
 pub use views::{Checks, Rejection, View, feasible_views};

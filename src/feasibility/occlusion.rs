@@ -10,16 +10,21 @@ use crate::spatial::Pose;
 /// on.
 const FLUSH: f64 = 1e-3;
 
-/// What of the robot stands between the camera and the board.
+/// What stands between the camera and the board.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Occlusion {
     solids: Vec<Solid>,
+    /// For each link whether its bodies may hold the camera's centre.
+    may_hold: Vec<bool>,
 }
 
 impl Occlusion {
-    /// The test against the bodies of `tree`.
-    pub fn new(tree: &Tree) -> Self {
-        Self { solids: Solid::all(tree) }
+    /// The test against the bodies of `tree`, whose link `camera_link` carries the camera.
+    pub fn new(tree: &Tree, camera_link: usize) -> Self {
+        // What stands still cannot hold a camera that moves: the camera would have driven into it.
+        let carrier = tree.mover(camera_link);
+        let may_hold = (0..tree.links.len()).map(|link| tree.mover(link) != 0 || carrier == 0);
+        Self { solids: Solid::all(tree), may_hold: may_hold.collect() }
     }
 
     /// Whether there is nothing that could hide a corner.
@@ -30,8 +35,8 @@ impl Occlusion {
     /// Which of `corners` (in T) are hidden: the segment from the camera to the corner meets a body. The links are at `X_BL`,
     /// the camera at `X_BC`, on the printed side of the board at `X_BT`.
     ///
-    /// Bodies that hold the camera's centre, its housing, hide nothing, nor do bodies that rise less than a millimetre above
-    /// the board's plane.
+    /// Bodies that move and hold the camera's centre, its housing, hide nothing, nor do bodies that rise less than a millimetre
+    /// above the board's plane.
     pub fn hidden(&self, X_BL: &[Pose], X_BC: &Pose, X_BT: &Pose, corners: &[Point3<f64>]) -> Vec<bool> {
         let mut hidden = vec![false; corners.len()];
         let corners_B: Vec<Point3<f64>> = corners.iter().map(|corner| X_BT * corner).collect();
@@ -41,7 +46,7 @@ impl Occlusion {
         for solid in Placed::all(&self.solids, X_BL) {
             let may_hide = sight.passes(&solid)
                 && solid.extent(&normal_B) > board + FLUSH
-                && !solid.holds(&sight.camera)
+                && !(self.may_hold[solid.solid.link] && solid.holds(&sight.camera))
                 && solid.meets(&sight.hull);
             if !may_hide {
                 continue;
@@ -117,7 +122,7 @@ mod tests {
     }
 
     fn hidden(bodies: Vec<Body>, X_BC: &Pose, X_BT: &Pose, corners: &[Point3<f64>]) -> Vec<bool> {
-        Occlusion::new(&tree(bodies)).hidden(&[Pose::identity()], X_BC, X_BT, corners)
+        Occlusion::new(&tree(bodies), 0).hidden(&[Pose::identity()], X_BC, X_BT, corners)
     }
 
     fn corners() -> Vec<Point3<f64>> {

@@ -278,6 +278,23 @@ mod tests {
             prop_assert_eq!(one.is_within(0.0, &two), apart <= 0.0);
         }
 
+        /// Beside a box of many metres, as beside a plane: the distance is that of the lowest point.
+        #[test]
+        fn a_large_box_is_a_floor(shape in shape(), X_BG in pose(), size in 1.0..50.0f64, height in 0.0..0.6f64) {
+            let half_extents = Vector3::new(size, size, size / 2.0);
+            let floor = solid(Shape::Box { half_extents });
+            let body = solid(shape);
+            let body = placed(&body, Pose::translation(0.1, -0.2, height) * X_BG);
+            let floor = placed(&floor, Pose::translation(0.0, 0.0, -size / 2.0));
+            let lowest = -body.extent(&-Vector3::z());
+            prop_assume!(lowest.abs() > 1e-6);
+            prop_assert_eq!(floor.is_within(0.0, &body), lowest < 0.0);
+            if lowest > 0.0 {
+                prop_assert!((floor.gap(&body) - lowest).abs() < 1e-6, "{} {lowest}", floor.gap(&body));
+                prop_assert!(body.is_within(lowest + 1e-6, &floor) && !body.is_within(lowest - 1e-6, &floor));
+            }
+        }
+
         /// In closed form: how far a point is from each shape.
         #[test]
         fn balls_are_as_far_as_their_middles_less_their_radius(

@@ -3,12 +3,12 @@
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
-use super::collision::SelfCollision;
+use super::collision::Collision;
 use super::occlusion::Occlusion;
 use super::stability::Stability;
 use super::visibility::{VisibilityLimits, cos_tilt, enough, visible_corners};
 use crate::camera::Camera;
-use crate::robot::{Limits, Robot};
+use crate::robot::Robot;
 use crate::spatial::Pose;
 use crate::sweep::JointSpace;
 use crate::target::{AxisCase, Corners, Target};
@@ -75,15 +75,17 @@ pub enum Rejection {
     CornerSpacing,
     /// The centre of mass is not over the support polygon, or too near its edge.
     Unstable,
-    /// Two links are too close to each other.
+    /// Two of the robot's links, or one and the board, are too close to each other.
     SelfCollision,
-    /// A link hides a corner, or so many that too few are left.
+    /// A link is too close to an obstacle.
+    SceneCollision,
+    /// A link or an obstacle hides a corner, or so many that too few are left.
     Occluded,
 }
 
 impl Rejection {
     /// Every reason, in the order of the checks.
-    pub const ALL: [Rejection; 10] = [
+    pub const ALL: [Rejection; 11] = [
         Rejection::BackSide,
         Rejection::Distance,
         Rejection::Incidence,
@@ -93,6 +95,7 @@ impl Rejection {
         Rejection::CornerSpacing,
         Rejection::Unstable,
         Rejection::SelfCollision,
+        Rejection::SceneCollision,
         Rejection::Occluded,
     ];
 
@@ -108,6 +111,7 @@ impl Rejection {
             Rejection::CornerSpacing => "corner_spacing",
             Rejection::Unstable => "unstable",
             Rejection::SelfCollision => "self_collision",
+            Rejection::SceneCollision => "scene_collision",
             Rejection::Occluded => "occluded",
         }
     }
@@ -121,7 +125,7 @@ pub struct Checks<'a> {
     target: &'a Target,
     visibility: &'a VisibilityLimits,
     stability: Option<&'a Stability>,
-    collision: SelfCollision,
+    collision: Collision,
     occlusion: Occlusion,
     /// In T.
     corners: Vec<Point3<f64>>,
@@ -137,26 +141,25 @@ impl<'a> Checks<'a> {
         clearance: f64,
         stability: Option<&'a Stability>,
     ) -> Self {
-        let limits: Vec<Limits> = robot.chain.joints.iter().map(|joint| joint.limits).collect();
         Self {
             robot,
             camera,
             target,
             visibility,
             stability,
-            collision: SelfCollision::new(&robot.tree, &limits, clearance),
-            occlusion: Occlusion::new(&robot.tree),
+            collision: Collision::new(robot, clearance),
+            occlusion: Occlusion::new(&robot.tree, robot.camera_link),
             corners: target.board.corners().collect(),
         }
     }
 
-    /// Whether the robot has bodies, that may collide or hide corners.
+    /// Whether there are bodies, that may collide or hide corners.
     pub fn has_bodies(&self) -> bool {
         !self.occlusion.is_empty()
     }
 
-    /// The test for self-collision.
-    pub fn collision(&self) -> &SelfCollision {
+    /// The test for collision.
+    pub fn collision(&self) -> &Collision {
         &self.collision
     }
 
@@ -173,8 +176,9 @@ impl<'a> Checks<'a> {
             // In the root's frame, which stands on the ground; B is the frame of the link that carries the board.
             let X_RL = self.robot.tree.link_poses(&q);
             stability_margin = self.stable(&X_RL)?;
-            if self.collision.collides(&X_RL) {
-                return Err(Rejection::SelfCollision);
+            if let Some(pair) = self.collision.first(&X_RL) {
+                let with_obstacle = pair.iter().any(|link| self.robot.obstacles.contains(link));
+                return Err(if with_obstacle { Rejection::SceneCollision } else { Rejection::SelfCollision });
             }
             let X_BL = if self.robot.board_link == 0 { X_RL } else { self.robot.link_poses(&q) };
             seen = self.unhidden(&X_BL, &X_BC, seen)?;
@@ -190,7 +194,7 @@ impl<'a> Checks<'a> {
         if margin.is_some_and(|margin| margin >= stability.margin) { Ok(margin) } else { Err(Rejection::Unstable) }
     }
 
-    /// Those of the corners that no link hides, if they are enough.
+    /// Those of the corners that no link or obstacle hides, if they are enough.
     fn unhidden(&self, X_BL: &[Pose], X_BC: &Pose, seen: Corners) -> Result<Corners, Rejection> {
         let indices = seen.indices(self.corners.len());
         let corners: Vec<Point3<f64>> = indices.iter().map(|&i| self.corners[i]).collect();

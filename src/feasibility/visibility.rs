@@ -94,3 +94,131 @@ fn is_crowded<'p>(columns: usize, count: usize, least: f64, at: impl Fn(usize) -
     };
     (0..count).any(|i| (i % columns != 0 && too_close(i, i - 1)) || (i >= columns && too_close(i, i - columns)))
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+    use crate::camera::Lens;
+    use crate::target::{Board, Zone};
+
+    const BOARD: Board = Board { columns: 4, rows: 3, square: 0.03 };
+
+    /// No limits but those of geometry.
+    const NONE: VisibilityLimits = VisibilityLimits {
+        margin: 0.0,
+        max_incidence: PI / 2.0,
+        max_tilt: PI / 2.0,
+        min_distance: 0.0,
+        max_distance: 100.0,
+        min_corner_spacing: 0.0,
+        min_corners: None,
+    };
+
+    /// What a pinhole camera of 640 × 480 px with a focal length of 500 px sees.
+    fn seen(limits: &VisibilityLimits, X_CT: &Pose) -> Result<Corners, Rejection> {
+        let camera = Camera::new(Lens::Pinhole, 640, 480, &[500.0, 500.0, 319.5, 239.5]).unwrap();
+        let zone = Zone { width: 1.0, height: 1.0, edge_margin: 0.0 };
+        let target = Target { board: BOARD, X_BT: Pose::identity(), zone };
+        visible_corners(&camera, &target, limits, &BOARD.corners().collect::<Vec<_>>(), X_CT)
+    }
+
+    /// The board's centre at `p` in C, its printed side towards −z but turned by `r`.
+    fn board(p: [f64; 3], r: [f64; 3]) -> Pose {
+        Pose::new(Vector3::from(p), Vector3::from(r)) * Pose::rotation(Vector3::x() * PI)
+    }
+
+    fn ahead(distance: f64) -> Pose {
+        board([0.0, 0.0, distance], [0.0; 3])
+    }
+
+    #[test]
+    fn distances_may_be_the_limits_and_no_more() {
+        let limits = VisibilityLimits { min_distance: 0.5, max_distance: 0.8, ..NONE };
+        for (distance, verdict) in [(0.5, true), (0.499_999, false), (0.8, true), (0.800_001, false)] {
+            assert_eq!(seen(&limits, &ahead(distance)) == Ok(Corners::All), verdict, "{distance}");
+        }
+        // To the board's centre, not along the optical axis.
+        assert_eq!(seen(&limits, &board([0.1, 0.0, 0.495], [0.0; 3])), Ok(Corners::All));
+        assert_eq!(seen(&limits, &ahead(0.3)), Err(Rejection::Distance));
+    }
+
+    #[test]
+    fn incidence_is_to_the_camera_and_tilt_to_its_axis() {
+        let degrees = |angle: f64| angle.to_radians();
+        let flat = VisibilityLimits { max_incidence: degrees(20.0), ..NONE };
+        let tilted = VisibilityLimits { max_tilt: degrees(20.0), ..NONE };
+        for (angle, verdict) in [(19.99, Ok(Corners::All)), (20.01, Err(()))] {
+            let on = |limits, X_CT: &Pose, reason| {
+                assert_eq!(seen(limits, X_CT), verdict.clone().map_err(|()| reason), "{angle}");
+            };
+            for sign in [-1.0, 1.0] {
+                let angle = sign * degrees(angle);
+                let aside = [0.8 * angle.sin(), 0.0, 0.8 * angle.cos()];
+                // Parallel to the image, aside: the incidence alone grows. Turned towards the camera: the tilt alone.
+                on(&flat, &board(aside, [0.0; 3]), Rejection::Incidence);
+                assert_eq!(seen(&tilted, &board(aside, [0.0; 3])), Ok(Corners::All));
+                on(&tilted, &board(aside, [0.0, angle, 0.0]), Rejection::Tilt);
+                assert_eq!(seen(&flat, &board(aside, [0.0, angle, 0.0])), Ok(Corners::All));
+                on(&flat, &board([0.0, 0.0, 0.8], [angle, 0.0, 0.0]), Rejection::Incidence);
+                on(&tilted, &board([0.0, 0.0, 0.8], [0.0, angle, 0.0]), Rejection::Tilt);
+            }
+        }
+        let turned = |angle: f64| seen(&NONE, &board([0.0, 0.0, 0.8], [degrees(angle), 0.0, 0.0]));
+        assert_eq!((turned(89.99), turned(90.01)), (Ok(Corners::All), Err(Rejection::BackSide)));
+        assert_eq!(turned(180.0), Err(Rejection::BackSide));
+        assert_eq!(seen(&NONE, &ahead(0.0)), Err(Rejection::BackSide));
+    }
+
+    #[test]
+    fn every_corner_keeps_the_margin_of_every_border() {
+        let limits = VisibilityLimits { margin: 20.0, ..NONE };
+        // At 0.5 m a pixel is 1 mm; the outermost corners are 45 and 30 mm from the centre, the borders 319.5 and 239.5 px.
+        let (x, y) = (0.2995 - 0.045, 0.2195 - 0.03);
+        for (x, y, moved) in
+            [(x, 0.0, [1.0, 0.0]), (-x, 0.0, [-1.0, 0.0]), (0.0, y, [0.0, 1.0]), (0.0, -y, [0.0, -1.0])]
+        {
+            let at = |by: f64| seen(&limits, &board([x + by * moved[0], y + by * moved[1], 0.5], [0.0; 3]));
+            assert_eq!((at(-1e-6), at(1e-6)), (Ok(Corners::All), Err(Rejection::OutsideImage)), "{moved:?}");
+        }
+        // The left columns are behind the camera.
+        let beside = board([-0.01, 0.0, 0.01], [0.0, -1.4, 0.0]);
+        assert_eq!(seen(&NONE, &beside), Err(Rejection::BeyondLens));
+    }
+
+    #[test]
+    fn neighbours_are_apart_along_rows_and_along_columns() {
+        // Fronto-parallel at 0.5 m all neighbours are 30 px apart.
+        for (least, verdict) in [(29.999, true), (30.001, false)] {
+            let limits = VisibilityLimits { min_corner_spacing: least, ..NONE };
+            assert_eq!(seen(&limits, &ahead(0.5)) == Ok(Corners::All), verdict);
+        }
+        // Turned by 60° about x the columns' neighbours are about 15 px apart, the rows' 30; about y the other way round.
+        let limits = VisibilityLimits { min_corner_spacing: 22.0, ..NONE };
+        let part = VisibilityLimits { min_corners: Some(6), ..limits };
+        for r in [[PI / 3.0, 0.0, 0.0], [0.0, PI / 3.0, 0.0]] {
+            let X_CT = board([0.0, 0.0, 0.5], r);
+            assert_eq!(seen(&NONE, &X_CT), Ok(Corners::All));
+            assert_eq!(seen(&limits, &X_CT), Err(Rejection::CornerSpacing), "{r:?}");
+            assert_eq!(seen(&part, &X_CT), Err(Rejection::CornerSpacing), "{r:?}");
+        }
+    }
+
+    #[test]
+    fn boards_read_in_part_need_enough_corners_and_not_on_a_line() {
+        let part = |least| VisibilityLimits { margin: 20.0, min_corners: Some(least), ..NONE };
+        // One column of three beyond the right margin; x grows with the column, for the turn about x keeps it.
+        let aside = board([0.2995 - 0.03, 0.0, 0.5], [0.0; 3]);
+        let left: Vec<usize> = (0..12).filter(|i| i % 4 != 3).collect();
+        assert_eq!(seen(&part(9), &aside), Ok(Corners::Some(left)));
+        assert_eq!(seen(&part(10), &aside), Err(Rejection::OutsideImage));
+        assert_eq!(seen(&part(12), &ahead(0.5)), Ok(Corners::All));
+        // One column left: three corners on a line.
+        let edge = board([0.2995 + 0.03, 0.0, 0.5], [0.0; 3]);
+        assert_eq!(seen(&part(3), &edge), Err(Rejection::OutsideImage));
+        // Corners that are not seen have no neighbours: those in sight are 30 px apart whatever the lens does to the others.
+        let limits = VisibilityLimits { min_corner_spacing: 29.0, ..part(9) };
+        assert_eq!(seen(&limits, &aside).map(|seen| seen.indices(12).len()), Ok(9));
+    }
+}

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::schema::Pose;
 use super::shape::Numbers;
 
-/// A solid attached to a link, for self-collision and occlusion. Exactly one of `box_mm`, `sphere_mm`, `cylinder_mm` and
+/// A solid attached to a link, for collision and occlusion. Exactly one of `box_mm`, `sphere_mm`, `cylinder_mm` and
 /// `capsule_mm` gives its shape.
 #[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -30,6 +30,43 @@ pub(super) struct Body {
     pub(super) pose: Pose,
 }
 
+/// What stands around the robot and does not move with it.
+#[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Scene {
+    /// Solids that the robot must not touch and that may hide the board: table, walls, fixtures.
+    #[serde(default)]
+    pub(super) bodies: Vec<Obstacle>,
+}
+
+/// A solid that stands around the robot. Exactly one of `box_mm`, `sphere_mm`, `cylinder_mm` and `capsule_mm` gives its shape.
+#[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Obstacle {
+    /// Name of the obstacle that the solid belongs to; solids of one name make one obstacle. No link may be called the same,
+    /// and "camera" and "board" are taken.
+    pub(super) name: String,
+    /// Sides of a box along x, y and z, in mm.
+    pub(super) box_mm: Option<Numbers<3>>,
+    /// Radius of a sphere, in mm.
+    pub(super) sphere_mm: Option<f64>,
+    /// Radius and length of a cylinder along z, in mm.
+    pub(super) cylinder_mm: Option<Numbers<2>>,
+    /// Radius and length of a capsule along z, in mm: a cylinder of that length with a half sphere on either end.
+    pub(super) capsule_mm: Option<Numbers<2>>,
+    /// Pose of the solid's middle in the robot's base frame.
+    #[serde(default)]
+    pub(super) pose: Pose,
+}
+
+impl Obstacle {
+    /// The solid as a body of no link.
+    pub(super) fn body(&self) -> Body {
+        let Self { name: _, box_mm, sphere_mm, cylinder_mm, capsule_mm, ref pose } = *self;
+        Body { link: None, box_mm, sphere_mm, cylinder_mm, capsule_mm, pose: pose.clone() }
+    }
+}
+
 /// A mass attached to a link. Several on one link add up.
 #[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -43,14 +80,15 @@ pub(super) struct Mass {
     pub(super) center_mm: Numbers<3>,
 }
 
-/// The test for self-collision, made where links have bodies.
+/// The test for collision of links with each other and with the scene, made where links have bodies.
 #[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Collision {
-    /// Least distance between two links, in mm; at 0 they may come as close as they like but not touch.
+    /// Least distance between two links, or a link and an obstacle, in mm; at 0 they may come as close as they like but not touch.
     #[serde(default)]
     pub(super) clearance_mm: f64,
-    /// Pairs of links that are not tested: names as in `robot.bodies`, "camera" for the housing, "board" for the board.
+    /// Pairs of links that are not tested: names as in `robot.bodies` and `scene.bodies`, "camera" for the housing, "board" for the
+    /// board.
     #[serde(default)]
     pub(super) ignore: Vec<Vec<String>>,
 }

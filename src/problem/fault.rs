@@ -99,6 +99,11 @@ pub enum Reason {
         /// The entry.
         name: String,
     },
+    /// The name is that of something else.
+    Taken {
+        /// The name.
+        name: String,
+    },
     /// The key has no meaning here.
     NotApplicable {
         /// What the key does not apply to.
@@ -256,6 +261,7 @@ impl Fault {
             Reason::Empty => format!("`{key}` is empty"),
             Reason::NoArm => format!("`{key}` is missing or empty, and `robot.urdf` is not given either"),
             Reason::Duplicate { name } => format!("`{key}` is \"{name}\", which occurs before"),
+            Reason::Taken { name } => format!("`{key}` is \"{name}\", which is the name of a link"),
             Reason::NotApplicable { to, .. } => format!("`{key}` does not apply to {to}"),
             Reason::Conflict { with } => format!("`{key}` and `{with}` exclude each other"),
             Reason::NotUnit { norm } => format!("`{key}` has norm {}", Number(*norm)),
@@ -293,6 +299,7 @@ impl Fault {
             Reason::Empty => "must not be empty".into(),
             Reason::NoArm => "needs one of the two".into(),
             Reason::Duplicate { .. } => "must occur only once".into(),
+            Reason::Taken { .. } => "must be a name of its own".into(),
             Reason::NotApplicable { .. } => "has no meaning here".into(),
             Reason::Conflict { .. } => "only one may be given".into(),
             Reason::NotUnit { .. } => "must have norm 1".into(),

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::bodies::{Body, Collision, Mass, Stability};
+use super::bodies::{Body, Collision, Mass, Scene, Stability};
 use super::choosing::{Constraints, Selection};
 use super::named::{MountName, Named};
 use super::shape::{NumberOrList, Numbers, Range, RangeOrSets, TextOrTable};
@@ -36,7 +36,10 @@ pub(super) struct File {
     /// What a view must satisfy.
     #[serde(default)]
     pub(super) visibility: Visibility,
-    /// The test for self-collision.
+    /// What stands around the robot.
+    #[serde(default)]
+    pub(super) scene: Scene,
+    /// The test for collision.
     #[serde(default)]
     pub(super) collision: Collision,
     /// The test for static stability; none when left out.
@@ -72,7 +75,7 @@ pub(super) struct Robot {
     /// The rows of the table, one per joint.
     #[serde(default)]
     pub(super) joints: Vec<Joint>,
-    /// Solids attached to the links, for self-collision and occlusion.
+    /// Solids attached to the links, for collision and occlusion.
     #[serde(default)]
     pub(super) bodies: Vec<Body>,
     /// Masses attached to the links, for static stability.

@@ -243,6 +243,7 @@ mod tests {
             X_FC: Pose::rotation(nalgebra::Vector3::new(0.3, 0.2, 0.1)),
             board_link: 0,
             camera_link: 0,
+            obstacles: vec![],
         }
     }
 

@@ -91,6 +91,7 @@ impl Mechanism {
             tree,
             board_link: place[assembly.board_link],
             camera_link: place[assembly.camera_link],
+            obstacles: Vec::new(),
         }
     }
 

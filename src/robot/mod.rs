@@ -32,6 +32,8 @@ pub struct Robot {
     pub board_link: usize,
     /// Link of the tree that carries the camera: its frame is F.
     pub camera_link: usize,
+    /// Links of the tree that are not the robot's: obstacles around it, fixed to the root.
+    pub obstacles: Vec<usize>,
 }
 
 impl Robot {

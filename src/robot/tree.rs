@@ -148,6 +148,14 @@ impl Tree {
         self.links.len() - 1
     }
 
+    /// The link that `link` is rigidly joined to and that itself moves, or the root.
+    pub fn mover(&self, mut link: usize) -> usize {
+        while let (Motion::Fixed, Some(parent)) = (&self.links[link].motion, self.links[link].parent) {
+            link = parent;
+        }
+        link
+    }
+
     /// Poses `X_BL` of all links at joint values `q` (rad or m).
     pub fn link_poses(&self, q: &[f64]) -> Vec<Pose> {
         let mut poses: Vec<Pose> = Vec::with_capacity(self.links.len());

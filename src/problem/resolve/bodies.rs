@@ -148,7 +148,7 @@ impl Check<'_, '_> {
         None
     }
 
-    fn body(&mut self, at: &KeyPath, body: &bodies::Body) -> Option<Body> {
+    pub(super) fn body(&mut self, at: &KeyPath, body: &bodies::Body) -> Option<Body> {
         let faults = self.faults.len();
         let X_LG = self.pose(&at.key("pose"), &body.pose);
         let given = [

@@ -4,6 +4,7 @@ mod bodies;
 mod camera;
 mod described;
 mod robot;
+mod scene;
 mod selection;
 mod sweep;
 mod target;
@@ -47,6 +48,7 @@ pub(super) fn resolve(
         Some(urdf) => check.described_robot(file, urdf, folder),
         None => check.robot(file),
     };
+    check.scene(&file.scene, robot.as_mut());
     let camera = check.camera(&file.camera, folder);
     let target = check.target(&file.target);
     let thickness = check.length(&KeyPath::section("target").key("thickness_mm"), file.target.thickness_mm, SIZE);

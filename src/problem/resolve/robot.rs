@@ -49,7 +49,8 @@ impl Check<'_, '_> {
         let links = std::iter::once(("base", 0)).chain(frames).collect();
         let camera_link = tree.links.len() - 1;
         self.carried(file, X_FC, camera_link, &links, &mut tree);
-        (self.faults.len() == faults).then_some(Robot { chain, X_FC, tree, board_link: 0, camera_link })
+        let obstacles = Vec::new();
+        (self.faults.len() == faults).then_some(Robot { chain, X_FC, tree, board_link: 0, camera_link, obstacles })
     }
 
     /// Attaches what the problem file adds to the robot: bodies, masses, and the camera's housing.
