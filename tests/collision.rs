@@ -2,13 +2,17 @@
 
 #![allow(non_snake_case, clippy::unwrap_used)]
 
+mod desk;
+
 use std::path::Path;
 
 use calipose::feasibility::{Rejection, View, feasible_views};
 use calipose::problem::Problem;
 use calipose::robot::{Shape, Tree};
 use calipose::spatial::Pose;
+use desk::Desk;
 use nalgebra::Vector3;
+use serde_json::{Value, json};
 
 /// A UR5 with a body on every link; that of its base is a plate of 2 m.
 const CAPSULES: &str = include_str!("data/ur5-capsules.toml");
@@ -155,4 +159,110 @@ fn pairs_always_within_the_clearance_are_told_with_their_distances() {
     let below = with_scene(CAPSULES, &format!("[collision]\nclearance_mm = {}", 999.0 * farthest));
     assert_eq!(below.checks().collision().links().close, []);
     assert!(views(&below).0.len() > 5);
+}
+
+/// A desk with `text` as `arm.toml`, swept coarsely for a few poses, with a scene.
+fn desk(text: &str, scene: &str) -> Desk {
+    let desk = Desk::new();
+    let text = text.replace("sample = 200_000", "sample = 20_000").replace("count = 15", "count = 4");
+    std::fs::write(desk.path("arm.toml"), text.replace("[sweep]", &format!("{scene}\n[sweep]"))).unwrap();
+    desk
+}
+
+fn plan_json(desk: &Desk) -> Value {
+    serde_json::from_str(&std::fs::read_to_string(desk.path("out/plan.json")).unwrap()).unwrap()
+}
+
+#[test]
+fn check_and_plan_say_that_nothing_is_tested_where_nothing_has_a_body() {
+    let arm = desk(WITHOUT_BODIES, "");
+    let said = "Collision: NOT tested (no bodies)";
+    assert!(arm.stdout("check arm.toml").contains(said));
+    let text = arm.stdout("plan arm.toml -o out --trials 0");
+    assert!(text.contains(said) && text.contains("[[scene.bodies]]"), "{text}");
+    assert!(!text.contains("can be taken"), "{text}");
+    let document = &plan_json(&arm)["collision"];
+    assert_eq!((&document["tested"], &document["scene"]), (&json!(false), &json!([])));
+    assert_eq!(document["joints_without_bodies"].as_array().unwrap().len(), 6);
+    assert_eq!(arm.json("check arm.toml --json")["collision"], *document);
+    assert_eq!(arm.json("plan arm.toml -o out --trials 0 --json")["collision"], *document);
+    // A table alone is touched by nothing that has a body.
+    let table = desk(
+        WITHOUT_BODIES,
+        "[[scene.bodies]]\nname = \"table\"\nbox_mm = [2000, 2000, 20]\npose = { position_mm = [0, 0, -15] }",
+    );
+    let text = table.stdout("plan arm.toml -o out --trials 0");
+    assert!(text.contains("Collision: NOT tested (the robot has no bodies): table"), "{text}");
+    assert_eq!(plan_json(&table)["collision"]["tested"], false);
+}
+
+#[test]
+fn cells_that_are_not_modelled_are_said_to_be_so_until_there_are_obstacles() {
+    let capsules =
+        CAPSULES.replace("clearance_mm = 10", "clearance_mm = 1").replace("[2000, 2000, 20]", "[150, 150, 20]");
+    let said = "The cell is NOT modelled: add [[scene.bodies]]";
+    let bare = desk(&capsules, "");
+    assert!(bare.stdout("check arm.toml").contains(said));
+    assert!(bare.stdout("plan arm.toml -o out --trials 0").contains(said));
+    assert_eq!(plan_json(&bare)["collision"]["scene"], json!([]));
+    let table = "[[scene.bodies]]\nname = \"table\"\nbox_mm = [2000, 2000, 20]\npose = { position_mm = [0, 0, -15] }";
+    let cell =
+        desk(&capsules.replace("[[robot.bodies]]\nlink = \"elbow_joint\"", "[[robot.bodies]]\nlink = \"base\""), table);
+    let text = cell.stdout("plan arm.toml -o out --trials 0");
+    assert!(
+        !text.contains(said) && text.contains("against each other, the board and table, clearance 1.000 mm"),
+        "{text}"
+    );
+    // What is left out is said, in the file too.
+    assert!(text.contains("NOT tested, because always in contact: shoulder_pan_joint–table"), "{text}");
+    assert!(text.contains("Without bodies, so NOT tested: what moves with elbow_joint."), "{text}");
+    let expected = json!({
+        "tested": true,
+        "clearance_m": 0.001,
+        "scene": ["table"],
+        "joints_without_bodies": ["elbow_joint"],
+        "always_in_contact": [["shoulder_pan_joint", "table"]],
+    });
+    assert_eq!(plan_json(&cell)["collision"], expected);
+    assert_eq!(cell.json("check arm.toml --json")["collision"], expected);
+}
+
+#[test]
+fn refusals_name_the_pairs_that_are_always_within_the_clearance_and_the_remedy() {
+    let arm = desk(CAPSULES, "");
+    let remedy = "if they cannot touch, `ignore = [[\"wrist_1_joint\", \"wrist_3_joint\"]]` under [collision]";
+    let text = arm.stdout("check arm.toml");
+    assert!(text.contains("within the clearance of 10.00 mm in every one of 1000 random configurations"), "{text}");
+    assert!(text.contains(remedy), "{text}");
+    let close = &arm.json("check arm.toml --json")["self_collision"]["always_within_clearance"];
+    assert_eq!(close[0]["links"], json!(["wrist_1_joint", "wrist_3_joint"]));
+    assert!(close[0]["farthest_mm"].as_f64().unwrap() < 10.0);
+    let words = arm.complaint("plan arm.toml -o out", 1);
+    assert!(words.contains("within the clearance in all") && words.contains(remedy), "{words}");
+    assert!(words.contains("if they can, a clearance_mm below "), "{words}");
+    // The remedies work.
+    let ignored = "clearance_mm = 10\nignore = [[\"wrist_1_joint\", \"wrist_3_joint\"]]";
+    let helped =
+        desk(&CAPSULES.replace("clearance_mm = 10", ignored).replace("[2000, 2000, 20]", "[150, 150, 20]"), "");
+    let text = helped.stdout("plan arm.toml -o out --trials 0");
+    assert!(!text.contains("No pose is likely to pass"), "{text}");
+}
+
+#[test]
+fn check_says_which_way_is_up_in_the_picture() {
+    let arm = desk(WITHOUT_BODIES, "");
+    let text = arm.stdout("check arm.toml");
+    // All at 0: the arm is stretched along −x, and its last z points along −y.
+    let said = "Camera: on the flange it looks along +z, up in the picture is -y; with every joint mid-range it looks along -y of the base, \
+                up is ";
+    assert!(text.contains(said), "{text}");
+    let mounted = desk(
+        &WITHOUT_BODIES.replace("mount = { position_mm = [0, -60, 30], rpy_deg = [0, 0, 0] }", "mount = \"ros-body\""),
+        "",
+    );
+    assert!(mounted.stdout("check arm.toml").contains("looks along +x, up in the picture is +z"));
+    let camera = &mounted.json("check arm.toml --json")["camera"]["on_flange"];
+    let near =
+        |value: &Value, expected: [f64; 3]| (0..3).all(|i| (value[i].as_f64().unwrap() - expected[i]).abs() < 1e-12);
+    assert!(near(&camera["looks_along"], [1.0, 0.0, 0.0]) && near(&camera["up"], [0.0, 0.0, 1.0]), "{camera}");
 }

@@ -166,6 +166,32 @@ fn whole_numbers_stand_for_fractions_and_line_ends_may_be_windows() {
     assert_ne!(windows.sha256, unix.sha256);
 }
 
+/// The mounts that need no numbers, against the same in roll, pitch and yaw; ROS's own is that of its optical frames.
+#[test]
+fn named_mounts_are_the_rotations_that_they_say() {
+    let mounted = |mount: &str| {
+        let text =
+            STARTER.replace("mount = { position_mm = [0, -60, 40], rpy_deg = [0, 0, 0] }", &format!("mount = {mount}"));
+        assert_ne!(text, STARTER);
+        load(&text).robot.X_FC
+    };
+    for (name, rpy) in [
+        ("optical-axis-z", "0, 0, 0"),
+        ("ros-optical", "0, 0, 0"),
+        ("ros-body", "-90, 0, -90"),
+        ("opengl", "180, 0, 0"),
+        ("optical-axis-x", "0, -90, 180"),
+    ] {
+        let (named, given) = (mounted(&format!("\"{name}\"")), mounted(&format!("{{ rpy_deg = [{rpy}] }}")));
+        assert!(named.rotation.angle_to(&given.rotation) < 1e-7, "{name}: {named}, {given}");
+    }
+    let X_FC = mounted("\"ros-body\"");
+    let axis = |v: Vector3<f64>| X_FC.rotation * v;
+    // Forward is x, right is −y, up in the picture is z.
+    assert!((axis(Vector3::z()) - Vector3::x()).norm() < 1e-15 && (axis(Vector3::x()) + Vector3::y()).norm() < 1e-15);
+    assert!((axis(-Vector3::y()) - Vector3::z()).norm() < 1e-15);
+}
+
 /// What the starter shows as comments of bodies, masses and the tests made with them is right.
 #[test]
 fn the_bodies_that_the_starter_shows_are_right() {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use miette::Diagnostic;
 use thiserror::Error;
 
+use super::collision::contacts_text;
 use super::screen::short;
 use crate::calibration::CalibrationError;
 use crate::formats::{FileReadError, ReadError, ReadFault};
@@ -88,8 +89,12 @@ fn unreached_help(joints: usize) -> String {
     }
 }
 
-fn plan_help(error: &PlanError) -> &'static str {
-    match error {
+fn plan_help(error: &PlanError) -> String {
+    let help = match error {
+        // They passed every test before this one.
+        PlanError::Survey(SurveyError::NoViews { contacts, .. }) if !contacts.is_empty() => {
+            return contacts_text(contacts);
+        }
         PlanError::Survey(SurveyError::NoCandidates { .. }) => {
             "check the target's pose and zone and the camera's mount, or sweep with a finer step; `axis = \"any\"` drops \
              the axis test"
@@ -127,7 +132,8 @@ fn plan_help(error: &PlanError) -> &'static str {
             | SelectionError::RequiredTooClose { .. },
         ) => "loosen [constraints], or ask for another number of poses",
         PlanError::Selection(_) | PlanError::Clustering(_) => "this is probably a bug; please report it",
-    }
+    };
+    help.into()
 }
 
 fn observations_help(error: &FileReadError) -> &'static str {

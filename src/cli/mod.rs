@@ -7,6 +7,7 @@
 mod calibrate;
 mod certify;
 mod check;
+mod collision;
 mod compare;
 mod explain;
 mod failure;

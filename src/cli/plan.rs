@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use serde_json::json;
 
+use super::collision::{close_text, tested_text};
 use super::failure::Failure;
 use super::screen::{Screen, grouped, joint_columns, short, table};
 use super::searching::searching;
@@ -117,8 +118,9 @@ pub(super) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<Verd
     let summary = summary(&problem, &survey, &chooser, &plan)?;
     let names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
     screen.text(&format!(
-        "{summary}{}\nWritten to {}: {}, in {:.2} s.",
+        "{summary}{}{}\nWritten to {}: {}, in {:.2} s.",
         verified.as_ref().map(sentence).unwrap_or_default(),
+        collision(&problem, &survey, &plan),
         problem.output.display(),
         names.join(", "),
         start.elapsed().as_secs_f64(),
@@ -140,6 +142,13 @@ fn verified(
     let view = |pose: &PlannedPose| survey.views.iter().find(|view| view.id == pose.id).map(|view| view.q.clone());
     let configurations: Vec<Vec<f64>> = plan.poses.iter().filter_map(view).collect();
     Ok(Some(verify(problem, &configurations, &Disturbance::default(), trials, plan.seed, observe)?))
+}
+
+/// What the poses were tested against, in lines of their own.
+fn collision(problem: &Problem, survey: &Survey, plan: &Plan) -> String {
+    let tested = plan.collision.as_ref().map(|document| tested_text(problem, document));
+    let close = Some(close_text(problem, &survey.links)).filter(|text| !text.is_empty());
+    tested.into_iter().chain(close).map(|line| format!("\n{line}")).collect()
 }
 
 /// What the trials showed, in one line.
@@ -268,7 +277,7 @@ fn outcome(plan: &Plan) -> String {
 
 /// What the configurations do that are views.
 pub(super) fn what_views_do(problem: &Problem) -> &'static str {
-    let tested = problem.stability.is_some() || problem.robot.tree.links.iter().any(|link| !link.bodies.is_empty());
+    let tested = problem.stability.is_some() || problem.robot.has_bodies();
     match (problem.visibility.min_corners, tested) {
         (None, false) => "see the whole board",
         (None, true) => "can be taken and see the whole board",

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::choice::{Chooser, PlanError};
+use super::collision::CollisionDocument;
 use super::make::Made;
 use super::proof::{CertificateDocument, FewestDocument, SearchDocument};
 use crate::feasibility::{Rejection, View};
@@ -48,6 +49,9 @@ pub struct Plan {
     pub efficiency: f64,
     /// Where the poses were chosen from.
     pub candidates: Candidates,
+    /// What the poses were tested for that could be hit; plans of older versions do not say.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub collision: Option<CollisionDocument>,
     /// Predicted standard deviations.
     pub intrinsics: Intrinsics,
     /// Predicted RMS error of the calibrated projection over the image, in px.
@@ -226,6 +230,7 @@ impl Plan {
                 kept: survey.views.len(),
                 rejected: Rejection::ALL.iter().map(|r| r.name().into()).zip(survey.rejected).collect(),
             },
+            collision: Some(CollisionDocument::new(problem, &survey.links)),
             intrinsics: Intrinsics {
                 names: names.iter().map(|&name| name.into()).collect(),
                 nominal: problem.estimated.iter().map(|&i| problem.camera.intrinsics()[i]).collect(),

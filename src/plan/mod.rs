@@ -4,6 +4,7 @@ mod allowed;
 mod candidates;
 mod certify;
 mod choice;
+mod collision;
 mod comparison;
 mod document;
 mod explain;
@@ -25,6 +26,7 @@ pub use allowed::ConstraintError;
 pub use candidates::{candidates_csv, candidates_parquet};
 pub use certify::{CertifyError, Confirmed, certify};
 pub use choice::{Choice, Chooser, PlanError};
+pub use collision::{CollisionDocument, Contact};
 pub use comparison::{Comparison, Equivalent, Row, compare, equivalent_kmeans};
 pub use document::{
     Candidates, Intrinsics, PLAN_FORMAT, PLAN_VERSION, Plan, PlanReadError, PlannedPose, Pose, ProblemReference,

@@ -4,7 +4,8 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 use thiserror::Error;
 
-use crate::feasibility::{Rejection, View, feasible_views};
+use super::collision::{Contact, contacts};
+use crate::feasibility::{LinkPairs, Rejection, View, feasible_views};
 use crate::information::{InformationSet, Measurement, map_error_weight};
 use crate::problem::Problem;
 use crate::sweep::{Sweep, sweep};
@@ -18,6 +19,8 @@ pub struct Survey {
     pub views: Vec<View>,
     /// Candidates rejected, by the reasons of [`Rejection::ALL`].
     pub rejected: [usize; Rejection::ALL.len()],
+    /// The pairs of links by what was done about them.
+    pub links: LinkPairs,
     /// Configurations tried around picked poses, beside the swept ones.
     pub refined: usize,
     /// The views' information on the estimated intrinsics, in the views' order.
@@ -27,7 +30,7 @@ pub struct Survey {
 }
 
 /// Why a problem has no views to choose from.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[derive(Debug, Clone, PartialEq, Error)]
 pub enum SurveyError {
     /// No optical axis meets the zone.
     #[error("none of the {swept} configurations points the camera at the target zone")]
@@ -42,6 +45,8 @@ pub enum SurveyError {
         candidates: usize,
         /// How many were rejected for each reason of [`Rejection::ALL`].
         rejected: [usize; Rejection::ALL.len()],
+        /// The pairs of links that collide in those rejected for that, the most frequent first.
+        contacts: Vec<Contact>,
     },
     /// A view's pose is not determined by its own corners.
     #[error("the board's {columns} x {rows} corners do not determine its pose in the image")]
@@ -73,15 +78,18 @@ pub fn survey(problem: &Problem, observe: &(dyn Fn(usize) + Sync)) -> Result<Sur
     if sweep.candidates.is_empty() {
         return Err(SurveyError::NoCandidates { swept: sweep.swept });
     }
-    let (views, rejected) = feasible_views(&problem.checks(), space, &sweep.candidates);
+    let checks = problem.checks();
+    let (views, rejected) = feasible_views(&checks, space, &sweep.candidates);
     if views.is_empty() {
-        return Err(SurveyError::NoViews { candidates: sweep.candidates.len(), rejected });
+        let contacts = contacts(problem, &checks, space, &sweep.candidates);
+        return Err(SurveyError::NoViews { candidates: sweep.candidates.len(), rejected, contacts });
     }
+    let links = checks.collision().links().clone();
     let corners: Vec<_> = target.board.corners().collect();
     let measurement = Measurement { camera, corners: &corners, noise: problem.noise, estimated: &problem.estimated };
     let information = measurement
         .information_set(views.par_iter().map(|view| (&view.X_CT, &view.seen)))
         .ok_or(SurveyError::PoseUndetermined { columns: target.board.columns, rows: target.board.rows })?;
     let map_weight = map_error_weight(camera, &problem.estimated);
-    Ok(Survey { sweep, views, rejected, refined: 0, information, map_weight })
+    Ok(Survey { sweep, views, rejected, links, refined: 0, information, map_weight })
 }

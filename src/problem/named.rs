@@ -86,17 +86,26 @@ pub(super) enum MountName {
     OpticalAxisZ,
     /// The optical axis is the flange's x: `z_C = x_F, y_C = −y_F, x_C = z_F`.
     OpticalAxisX,
+    /// The flange frame is ROS's `camera_optical_frame`: the camera's own.
+    RosOptical,
+    /// The flange frame is ROS's body frame, as of `camera_link`, x forward, y left, z up: `z_C = x_F, x_C = −y_F, y_C = −z_F`.
+    RosBody,
+    /// The flange frame is that of `OpenGL`, Blender or USD, y up, looking along −z: `x_C = x_F, y_C = −y_F, z_C = −z_F`.
+    OpenGl,
 }
 
 impl Choice for MountName {
     fn all() -> &'static [Self] {
-        &[Self::OpticalAxisZ, Self::OpticalAxisX]
+        &[Self::OpticalAxisZ, Self::OpticalAxisX, Self::RosOptical, Self::RosBody, Self::OpenGl]
     }
 
     fn name(self) -> &'static str {
         match self {
             Self::OpticalAxisZ => "optical-axis-z",
             Self::OpticalAxisX => "optical-axis-x",
+            Self::RosOptical => "ros-optical",
+            Self::RosBody => "ros-body",
+            Self::OpenGl => "opengl",
         }
     }
 }

@@ -160,9 +160,11 @@ pub(super) struct Pose {
 #[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Camera {
-    /// Pose of the camera in the flange frame (x right, y down, z forward): "optical-axis-z" when they are the same
-    /// frame, "optical-axis-x" when the camera looks along the flange's x (`z_C` = `x_F`, `y_C` = -`y_F`, `x_C` = `z_F`), or a
-    /// table with `position_mm` and `rpy_deg` or `quaternion_xyzw`.
+    /// Pose of the camera (x right, y down, z forward) in the flange frame: "optical-axis-z" or "ros-optical" when they are the
+    /// same frame; "ros-body" when the flange frame is like ROS's `camera_link` (x forward, y left, z up); "opengl" when it is
+    /// like Blender's or USD's camera (y up, looking along -z); "optical-axis-x" when the camera looks along the flange's x with
+    /// its right along z (`z_C` = `x_F`, `y_C` = -`y_F`, `x_C` = `z_F`); or a table with `position_mm` and `rpy_deg` or
+    /// `quaternion_xyzw`. `calipose check` says which way is up in the picture.
     #[serde(default)]
     pub(super) mount: TextOrTable<Named<MountName>, Pose>,
     /// Solid around the camera; its pose is in the camera frame.

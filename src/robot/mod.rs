@@ -64,6 +64,23 @@ impl Robot {
         (X_BC, J)
     }
 
+    /// The joints whose moving part, up to the next joint, has no body.
+    pub fn joints_without_bodies(&self) -> impl Iterator<Item = &Joint> {
+        let links = &self.tree.links;
+        let mut moves_body = vec![false; self.chain.dof()];
+        for (i, _) in links.iter().enumerate().filter(|(_, link)| !link.bodies.is_empty()) {
+            if let Motion::Driven { joint, .. } = links[self.tree.mover(i)].motion {
+                moves_body[joint] = true;
+            }
+        }
+        self.chain.joints.iter().zip(moves_body).filter(|(_, moves_body)| !moves_body).map(|(joint, _)| joint)
+    }
+
+    /// Whether any part that moves has a body.
+    pub fn has_bodies(&self) -> bool {
+        self.joints_without_bodies().count() < self.chain.dof()
+    }
+
     /// Poses `X_BL` of all links in the base frame at joint values `q` (rad or m).
     pub fn link_poses(&self, q: &[f64]) -> Vec<Pose> {
         let mut poses = self.tree.link_poses(q);

@@ -1,5 +1,6 @@
 //! `calipose check`.
 
+mod sight;
 mod tested;
 
 use std::path::Path;
@@ -10,9 +11,11 @@ use super::failure::Failure;
 use super::plan::what_views_do;
 use super::screen::{Screen, grouped, short};
 use crate::feasibility::{Rejection, feasible_views};
+use crate::plan::CollisionDocument;
 use crate::problem::Problem;
 use crate::sweep::{AxisRule, JointSpace};
 use crate::target::AxisCase;
+use sight::{sight, sight_text};
 use tested::{center_of_mass, self_collision, tests_text};
 
 /// Configurations tried to estimate how many see the board.
@@ -71,17 +74,20 @@ pub(super) fn run(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
             "estimated_views": seen,
             "estimated_seconds": seconds,
             "estimated_memory_mb": megabytes,
+            "camera": sight(&problem),
+            "collision": CollisionDocument::new(&problem, checks.collision().links()),
             "self_collision": self_collision(&problem, &checks),
             "mass_kg": center_of_mass(&problem).map(|center| center.mass),
         })
         .to_string(),
     )?;
     screen.text(&format!(
-        "{}: valid.\n{} joints, {space_text}.\n{}About {} of them {} (from {} tried).\n`calipose plan` would \
+        "{}: valid.\n{} joints, {space_text}.\n{}\n{}About {} of them {} (from {} tried).\n`calipose plan` would \
          choose {} poses by `{}` for criterion `{}`, estimating {}, and write to {}.\nIt would take about {} s and {} MB on \
          this machine.",
         problem.name,
         robot.chain.dof(),
+        sight_text(&problem),
         tests_text(&problem, &checks),
         grouped(seen),
         what_views_do(&problem),

@@ -2,8 +2,10 @@
 
 use serde_json::{Value, json};
 
+use super::super::collision::{close_text, tested_text};
 use super::super::screen::short;
 use crate::feasibility::{Checks, LinkPair, LinkPairs};
+use crate::plan::CollisionDocument;
 use crate::problem::Problem;
 use crate::robot::PointMass;
 
@@ -25,20 +27,28 @@ pub(super) fn self_collision(problem: &Problem, checks: &Checks) -> Value {
     }
     let never: Vec<LinkPair> = links.tested.iter().filter(|(_, share)| *share == 0.0).map(|&(pair, _)| pair).collect();
     let tested = links.tested.iter().map(|&([a, b], share)| json!({ "links": [name(a), name(b)], "share": share }));
+    let close = links.close.iter().map(|close| {
+        json!({
+            "links": close.links.map(name),
+            "nearest_mm": close.nearest * 1e3,
+            "farthest_mm": close.farthest * 1e3,
+        })
+    });
     json!({
         "clearance_mm": problem.clearance * 1e3,
         "adjacent": names(&links.adjacent),
         "ignored": names(&links.disabled),
         "always_in_contact": names(&links.always),
         "never_seen": names(&never),
+        "always_within_clearance": close.collect::<Value>(),
         "tested": tested.collect::<Value>(),
     })
 }
 
 /// What is tested besides visibility, in lines.
 pub(super) fn tests_text(problem: &Problem, checks: &Checks) -> String {
-    let mut text = String::new();
     let links = checks.collision().links();
+    let mut text = tested_text(problem, &CollisionDocument::new(problem, links)) + "\n";
     if *links != LinkPairs::default() {
         let name = |link: usize| problem.robot.tree.links[link].name.as_str();
         let list = |pairs: &mut dyn Iterator<Item = LinkPair>| {
@@ -48,15 +58,18 @@ pub(super) fn tests_text(problem: &Problem, checks: &Checks) -> String {
         let of =
             |test: fn(f64) -> bool| links.tested.iter().filter(move |(_, share)| test(*share)).map(|&(pair, _)| pair);
         text += &format!(
-            "Self-collision, clearance {} mm; pairs of links within it in some of 1000 random configurations: {}; in none, but \
-             tested: {}. Not tested, adjacent: {}; always in contact: {}; ignored: {}.\n",
-            short(problem.clearance * 1e3),
+            "Pairs of links within the clearance in some of 1000 random configurations: {}; in none, but tested: {}. Not tested, \
+             adjacent: {}; always in contact: {}; ignored: {}.\n",
             list(&mut of(|share| share > 0.0)),
             list(&mut of(|share| share == 0.0)),
             list(&mut links.adjacent.iter().copied()),
             list(&mut links.always.iter().copied()),
             list(&mut links.disabled.iter().copied()),
         );
+    }
+    let close = close_text(problem, links);
+    if !close.is_empty() {
+        text += &format!("{close}\n");
     }
     if let (Some(stability), Some(center)) = (&problem.stability, center_of_mass(problem)) {
         text += &format!(

@@ -1,6 +1,6 @@
 //! The arm as a Denavit–Hartenberg table, and the camera's mount.
 
-use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 use super::bodies::Links;
 use super::{ANGLE, Check, LENGTH};
@@ -183,18 +183,26 @@ impl Check<'_, '_> {
     }
 
     pub(super) fn mount(&mut self, mount: &TextOrTable<Named<MountName>, schema::Pose>) -> Pose {
-        match mount {
-            TextOrTable::Text(Named(MountName::OpticalAxisZ)) => Pose::identity(),
-            TextOrTable::Text(Named(MountName::OpticalAxisX)) => {
-                // Columns are x_C, y_C, z_C in F.
-                let R_FC = Rotation3::from_matrix_unchecked(Matrix3::new(
-                    0.0, 0.0, 1.0, //
-                    0.0, -1.0, 0.0, //
-                    1.0, 0.0, 0.0,
-                ));
-                Pose::from_parts([0.0; 3].into(), UnitQuaternion::from_rotation_matrix(&R_FC))
-            }
-            TextOrTable::Table(pose) => self.pose(&KeyPath::section("camera").key("mount"), pose),
-        }
+        let name = match mount {
+            TextOrTable::Text(Named(name)) => name,
+            TextOrTable::Table(pose) => return self.pose(&KeyPath::section("camera").key("mount"), pose),
+        };
+        // Columns are x_C, y_C, z_C in F.
+        let R_FC = match name {
+            MountName::OpticalAxisZ | MountName::RosOptical => Matrix3::identity(),
+            MountName::OpticalAxisX => Matrix3::new(
+                0.0, 0.0, 1.0, //
+                0.0, -1.0, 0.0, //
+                1.0, 0.0, 0.0,
+            ),
+            MountName::RosBody => Matrix3::new(
+                0.0, 0.0, 1.0, //
+                -1.0, 0.0, 0.0, //
+                0.0, -1.0, 0.0,
+            ),
+            MountName::OpenGl => Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, -1.0)),
+        };
+        let R_FC = Rotation3::from_matrix_unchecked(R_FC);
+        Pose::from_parts([0.0; 3].into(), UnitQuaternion::from_rotation_matrix(&R_FC))
     }
 }
