@@ -23,11 +23,9 @@ pub(super) fn tested_text(problem: &Problem, document: &CollisionDocument) -> St
         };
         return format!("Collision: NOT tested ({reason}.");
     }
-    let mut text = match scene.is_empty() {
-        true => "Collision: links tested against each other and the board".to_owned(),
-        false => format!("Collision: links tested against each other, the board and {obstacles}"),
-    };
-    text += &format!(", clearance {} mm.", short(clearance_m * 1e3));
+    let against = if scene.is_empty() { " and the board".to_owned() } else { format!(", the board and {obstacles}") };
+    let clearance = short(clearance_m * 1e3);
+    let mut text = format!("Collision: links tested against each other{against}, clearance {clearance} mm.");
     if scene.is_empty() {
         text += " The cell is NOT modelled: add [[scene.bodies]] for table, walls and fixtures.";
     }
