@@ -6,7 +6,7 @@ use std::process::{Command, Output};
 
 use calipose::calibration::Observations;
 use calipose::camera::{Camera, Lens};
-use calipose::formats::{Stated, read_camera_file, read_detections};
+use calipose::formats::{Stated, StatedCamera, read_camera_file, read_detections};
 use calipose::spatial::Pose;
 use calipose::target::Board;
 use calipose::verification::simulate;
@@ -108,7 +108,7 @@ fn vnl_and_json_give_the_camera_they_come_from() {
     assert!(0.0 < error("centre") && error("centre") < error("corner") && error("rms") < error("corner"));
     // All files hold the camera of the document.
     for name in ["camera_info.yaml", "camera.opencv.yaml", "camera.opencv.json", "camera.cameramodel"] {
-        let camera = read_camera_file(&at("two").join(name)).unwrap();
+        let camera = read_camera_file(&at("two").join(name), &StatedCamera::default()).unwrap();
         assert_eq!(json!(camera.intrinsics()), from_json["intrinsics"]["values"], "{name}");
     }
     let written: Value = serde_json::from_slice(&std::fs::read(at("two").join("calibration.json")).unwrap()).unwrap();

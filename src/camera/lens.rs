@@ -71,6 +71,26 @@ impl Lens {
         }
     }
 
+    /// The angle to the optical axis of [`Lens::reach`]; none where the model does not fold back.
+    pub(super) fn fold(self, reach: f64) -> Option<f64> {
+        match self {
+            Lens::Pinhole | Lens::BrownConrady | Lens::Rational => reach.is_finite().then(|| reach.sqrt().atan()),
+            Lens::KannalaBrandt => (reach < std::f64::consts::PI).then_some(reach),
+        }
+    }
+
+    /// Names that other tools have for the model.
+    pub fn known_as(self) -> &'static [&'static str] {
+        match self {
+            Lens::Pinhole => &["pinhole", "perspective", "LENSMODEL_PINHOLE"],
+            Lens::BrownConrady => {
+                &["plumb_bob", "radtan", "radial-tangential", "opencv", "LENSMODEL_OPENCV4", "LENSMODEL_OPENCV5"]
+            }
+            Lens::Rational => &["rational_polynomial", "LENSMODEL_OPENCV8"],
+            Lens::KannalaBrandt => &["fisheye", "equidistant", "equi", "kb4", "opencv_fisheye"],
+        }
+    }
+
     /// The normalised image point of direction `p` (any length).
     pub(super) fn distort(self, p: &Vector3<f64>, k: &[f64], reach: f64) -> Option<Vector2<f64>> {
         match self {

@@ -13,6 +13,9 @@ use thiserror::Error;
 /// Parameters of the largest camera model: `fx fy cx cy` and the eight coefficients of [`Lens::Rational`].
 pub const MAX_INTRINSICS: usize = 12;
 
+/// Cells of the grid of [`Camera::coverage`] along the picture's longer side.
+const COVERAGE_CELLS: u32 = 64;
+
 /// Derivative of a pixel (2 rows) by the intrinsics (as many of the columns as the model has; the rest are zero).
 pub type IntrinsicsJacobian = SMatrix<f64, 2, MAX_INTRINSICS>;
 
@@ -147,6 +150,28 @@ impl Camera {
         &self.intrinsics[..self.lens.parameter_names().len()]
     }
 
+    /// The angle to the optical axis, rad, beyond which the lens model folds back and nothing is seen; none where it does not.
+    pub fn fold(&self) -> Option<f64> {
+        self.lens.fold(self.reach)
+    }
+
+    /// The share of the picture's area that the lens reaches: beyond the image circle of a fisheye, or the fold of another lens, there
+    /// is no direction that a pixel sees. Counted on a grid, to a hundredth or so.
+    pub fn coverage(&self) -> f64 {
+        if self.lens == Lens::Pinhole {
+            return 1.0;
+        }
+        let (width, height) = (f64::from(self.width), f64::from(self.height));
+        let cell = width.max(height) / f64::from(COVERAGE_CELLS);
+        let (columns, rows) = ((width / cell).ceil() as u32, (height / cell).ceil() as u32);
+        let middle = |i: u32, count: u32, size: f64| (f64::from(i) + 0.5) / f64::from(count) * size - 0.5;
+        let seen = |g: u32| {
+            let (u, v) = (middle(g % columns, columns, width), middle(g / columns, rows, height));
+            self.unproject(&Vector2::new(u, v)).is_some()
+        };
+        (0..columns * rows).filter(|&g| seen(g)).count() as f64 / f64::from(columns * rows)
+    }
+
     /// Whether `pixel` lies between the outermost pixel centres, at least `margin` px from them.
     pub fn contains(&self, pixel: &Vector2<f64>, margin: f64) -> bool {
         let inside = |x: f64, size: u32| x >= margin && x <= f64::from(size) - 1.0 - margin;
@@ -257,6 +282,36 @@ mod tests {
         assert!(camera.project(&Point3::new(1.292, 0.0, 1.0)).is_none());
         assert!(camera.project_with_derivatives(&Point3::new(1.292, 0.0, 1.0)).is_none());
         assert!(camera.unproject(&Vector2::new(320.0 + 500.0 * 0.9, 240.0)).is_none());
+    }
+
+    #[test]
+    fn what_the_lens_reaches_is_the_disc_within_its_fold() {
+        let folding = [
+            (Lens::BrownConrady, 400.0, vec![-0.35, 0.0, 0.0, 0.0, 0.0]),
+            (Lens::BrownConrady, 300.0, vec![-0.4, 0.1, 0.0, 0.0, -0.02]),
+            (Lens::Rational, 300.0, vec![-0.5, 0.0, 0.0, 0.0, 0.0, 0.1, 0.02, 0.0]),
+            (Lens::KannalaBrandt, 130.0, vec![-0.042, 0.003, -0.0024, 0.0]),
+            (Lens::KannalaBrandt, 70.0, vec![0.0; 4]),
+        ];
+        for (lens, focal, coefficients) in folding {
+            let θ = [&[focal, focal, 322.0, 239.0], &coefficients[..]].concat();
+            let camera = Camera::new(lens, 640, 480, &θ).unwrap();
+            let fold = camera.fold().unwrap_or(std::f64::consts::PI);
+            let rim = |share: f64| camera.project(&Point3::new((share * fold).sin(), 0.0, (share * fold).cos()));
+            let radius = rim(1.0 - 1e-9).unwrap().x - 322.0;
+            assert!(camera.fold().is_none() || rim(1.0 + 1e-6).is_none());
+            let pixels =
+                (0..160 * 120).map(|i| Vector2::new(1.5 + 4.0 * f64::from(i % 160), 1.5 + 4.0 * f64::from(i / 160)));
+            let distances = pixels.map(|pixel| (pixel, (pixel - Vector2::new(322.0, 239.0)).norm()));
+            let mut inside = 0;
+            for (pixel, distance) in distances.filter(|(_, distance)| (distance - radius).abs() > 1e-3) {
+                inside += u32::from(distance < radius);
+                assert_eq!(camera.unproject(&pixel).is_some(), distance < radius, "{camera:?} {pixel}");
+            }
+            let share = f64::from(inside) / (160.0 * 120.0);
+            assert!((camera.coverage() - share).abs() < 0.01, "{} {share}", camera.coverage());
+            assert!((0.2..0.9).contains(&share), "{share}");
+        }
     }
 
     #[test]

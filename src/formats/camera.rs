@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use super::error::{ReadError, ReadFault};
 use super::tree::{self, Located, Node};
-use super::{mrcal, opencv, ros};
+use super::{kalibr, mrcal, opencv, opencv_xml, ros, unsupported};
 use crate::camera::{Camera, Lens};
 
 /// Longest image side, px.
@@ -21,21 +21,76 @@ pub enum CameraFormat {
     OpenCvJson,
     /// mrcal's cameramodel.
     Mrcal,
+    /// Kalibr's camchain, YAML.
+    Kalibr,
 }
 
 /// Why a camera cannot be written in a format.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-#[error("the format \"{format}\" has no lens model \"{lens}\"")]
-pub struct WriteError {
-    /// Name of the format.
-    pub format: &'static str,
-    /// Name of the lens model.
-    pub lens: &'static str,
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum WriteError {
+    /// The format has no such lens model.
+    #[error("the format \"{format}\" has no lens model \"{lens}\"")]
+    Lens {
+        /// Name of the format.
+        format: &'static str,
+        /// Name of the lens model.
+        lens: &'static str,
+    },
+    /// The format has no place for the value of an intrinsic.
+    #[error("the format \"{format}\" cannot hold {name} = {value}")]
+    Intrinsic {
+        /// Name of the format.
+        format: &'static str,
+        /// The intrinsic.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+    },
+}
+
+/// What is known of a camera beside its file.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct StatedCamera {
+    /// Width and height of its images, px; needed where the file does not state them, and to agree where it does.
+    pub image: Option<[u32; 2]>,
+    /// Its name, in a file of several cameras.
+    pub name: Option<String>,
+}
+
+impl StatedCamera {
+    /// The image size that is stated and `found`, on `line` of the file.
+    pub(super) fn image_size(&self, found: Option<[u32; 2]>, line: usize) -> Result<[u32; 2], ReadError> {
+        match (found, self.image) {
+            (Some(found), Some(given)) if found != given => {
+                let [found, given] = [found, given].map(|[width, height]| format!("{width} x {height}"));
+                Err(ReadFault::Mismatch { what: "image size", found, given }.at(line))
+            }
+            (Some(size), _) | (None, Some(size)) => Ok(size),
+            (None, None) => Err(ReadFault::NotStated { what: "image size" }.at(line)),
+        }
+    }
+}
+
+/// The camera that is `stated`, or the only one; cameras without name are alone in their file.
+pub(super) fn chosen<T: Clone>(
+    cameras: &[(String, T)],
+    stated: &StatedCamera,
+    line: usize,
+) -> Result<(String, T), ReadError> {
+    let names = || cameras.iter().map(|(name, _)| name.clone()).filter(|name| !name.is_empty()).collect();
+    match (&stated.name, cameras) {
+        (None, [only]) => Ok(only.clone()),
+        (None, _) => Err(ReadFault::SeveralCameras { names: names() }.at(line)),
+        (Some(name), _) => {
+            let found = cameras.iter().find(|(known, _)| !known.is_empty() && known == name);
+            found.cloned().ok_or_else(|| ReadFault::UnknownCamera { name: name.clone(), names: names() }.at(line))
+        }
+    }
 }
 
 impl CameraFormat {
     /// Every format.
-    pub const ALL: [Self; 4] = [Self::Ros, Self::OpenCv, Self::OpenCvJson, Self::Mrcal];
+    pub const ALL: [Self; 5] = [Self::Ros, Self::OpenCv, Self::OpenCvJson, Self::Mrcal, Self::Kalibr];
 
     /// Name of the format.
     pub fn name(self) -> &'static str {
@@ -44,6 +99,7 @@ impl CameraFormat {
             Self::OpenCv => "opencv",
             Self::OpenCvJson => "opencv-json",
             Self::Mrcal => "mrcal",
+            Self::Kalibr => "kalibr",
         }
     }
 
@@ -54,42 +110,52 @@ impl CameraFormat {
             Self::OpenCv => "camera.opencv.yaml",
             Self::OpenCvJson => "camera.opencv.json",
             Self::Mrcal => "camera.cameramodel",
+            Self::Kalibr => "camchain.yaml",
         }
     }
 
     /// `camera` in this format, all digits kept.
     ///
     /// # Errors
-    /// Where the format has no such lens model: mrcal has no Kannala–Brandt.
+    /// Where the format has no such lens model, as mrcal no Kannala–Brandt and Kalibr no rational one, or no place for a value, as
+    /// Kalibr for k3.
     pub fn write(self, camera: &Camera) -> Result<String, WriteError> {
         match self {
             Self::Ros => Ok(ros::write(camera)),
             Self::OpenCv => Ok(opencv::write_yaml(camera)),
             Self::OpenCvJson => Ok(opencv::write_json(camera)),
-            Self::Mrcal => mrcal::write(camera).ok_or(WriteError { format: self.name(), lens: camera.lens().name() }),
+            Self::Mrcal => {
+                mrcal::write(camera).ok_or(WriteError::Lens { format: self.name(), lens: camera.lens().name() })
+            }
+            Self::Kalibr => kalibr::write(camera),
         }
     }
 }
 
-/// The camera of a file of any [`CameraFormat`], told apart by their keys.
+/// The camera of a file of any [`CameraFormat`], or of OpenCV's XML, told apart by their keys; `stated` is what is known beside it.
 ///
 /// # Errors
 /// Where the file has no such camera.
-pub fn read_camera(text: &str) -> Result<Camera, ReadError> {
+pub fn read_camera(text: &str, stated: &StatedCamera) -> Result<Camera, ReadError> {
+    let text = text.trim_start_matches('\u{feff}');
+    if text.trim_start().starts_with('<') {
+        return opencv::read(&opencv_xml::parse(text)?, stated);
+    }
+    if let Some(error) = unsupported::videre(text) {
+        return Err(error);
+    }
     let root = tree::parse(text)?;
     if root.get("lensmodel").is_some() {
-        mrcal::read(&root)
-    } else if root.get("distortion_model").is_some() {
-        ros::read(&root)
+        mrcal::read(&root, stated)
+    } else if kalibr::is_camchain(&root) {
+        kalibr::read(&root, stated)
+    } else if let Some(error) = unsupported::file(&root) {
+        Err(error)
+    } else if ros::is_camera_info(&root) {
+        ros::read(&root, stated)
     } else {
-        opencv::read(&root)
+        opencv::read(&root, stated)
     }
-}
-
-/// Width and height from the keys `image_width` and `image_height`.
-pub(super) fn image_size(root: &Node) -> Result<[u32; 2], ReadError> {
-    let side = |key: &str| image_side(root.require("", key)?, key);
-    Ok([side("image_width")?, side("image_height")?])
 }
 
 /// The side of an image, px.

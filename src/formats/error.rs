@@ -70,6 +70,12 @@ pub enum ReadFault {
         /// Entries needed.
         expected: String,
     },
+    /// The numbers of a list are not separated.
+    #[error("`{key}`: numbers in a list are separated by commas")]
+    Commas {
+        /// The list.
+        key: String,
+    },
     /// A name of something that calipose does not know.
     #[error("`{key}` is \"{found}\", which is not supported; supported: {supported}")]
     Unsupported {
@@ -79,6 +85,75 @@ pub enum ReadFault {
         found: String,
         /// The names that are supported.
         supported: &'static str,
+    },
+    /// A lens model that no [`Lens`](crate::camera::Lens) is.
+    #[error("`{key}` is \"{found}\", which is not supported; supported: {supported}{}", after(instead))]
+    LensModel {
+        /// The key.
+        key: String,
+        /// The name found.
+        found: String,
+        /// The names that are supported.
+        supported: &'static str,
+        /// What it is, and what to do; empty where that is not known.
+        instead: &'static str,
+    },
+    /// A file of another tool that is known but not read.
+    #[error("this is {what}, which is not read; {instead}")]
+    OtherFormat {
+        /// What it is.
+        what: &'static str,
+        /// What to do.
+        instead: &'static str,
+    },
+    /// A file in which nothing belongs to a camera.
+    #[error(
+        "there is no camera in it; read are ROS camera_info, OpenCV FileStorage (YAML, XML, JSON), Kalibr camchains and mrcal cameramodels"
+    )]
+    NoCamera,
+    /// A coefficient beyond those of the lens model.
+    #[error("`{key}` is {}: {model} has no such coefficient{}", plain(*value), after(instead))]
+    Coefficient {
+        /// The coefficient.
+        key: String,
+        /// Its value.
+        value: f64,
+        /// The lens model, as the file names it.
+        model: String,
+        /// What to do; empty where that is not known.
+        instead: &'static str,
+    },
+    /// The pixels' rows and columns are not at right angles.
+    #[error("`{key}` is {}: skew is not supported; a nominal camera may have 0 there", plain(*value))]
+    Skew {
+        /// The entry of the camera matrix.
+        key: String,
+        /// Its value, px.
+        value: f64,
+    },
+    /// The images are parts of those that the calibration is of.
+    #[error("`{key}` is {}: the images are not those of the calibration, but {what} of them; give the calibration of the images as they come", plain(*value))]
+    PartOfImage {
+        /// The key.
+        key: String,
+        /// Its value.
+        value: f64,
+        /// What is left of them.
+        what: &'static str,
+    },
+    /// The file has several cameras, and none is chosen.
+    #[error("the file has the cameras {}; one has to be named", names.join(", "))]
+    SeveralCameras {
+        /// Their names.
+        names: Vec<String>,
+    },
+    /// The file does not have the camera that is asked for.
+    #[error("there is no camera \"{name}\"; the file has {}", cameras(names))]
+    UnknownCamera {
+        /// The name asked for.
+        name: String,
+        /// Those that the file has; none where it has one camera without a name.
+        names: Vec<String>,
     },
     /// A line has the wrong number of columns.
     #[error("{found} columns where the header has {expected}")]
@@ -133,6 +208,15 @@ impl ReadFault {
     pub(super) fn at(self, line: usize) -> ReadError {
         ReadError { line, fault: self }
     }
+}
+
+/// `text` after a semicolon, if there is any.
+fn after(text: &str) -> String {
+    if text.is_empty() { String::new() } else { format!("; {text}") }
+}
+
+fn cameras(names: &[String]) -> String {
+    if names.is_empty() { "a single camera, which needs no name".to_owned() } else { names.join(", ") }
 }
 
 /// A number as one would write it: very large and very small ones with an exponent.

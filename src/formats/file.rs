@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use super::{Detections, ReadError, Stated, UrdfError, read_camera, read_detections, read_srdf, read_urdf};
+use super::{
+    Detections, ReadError, Stated, StatedCamera, UrdfError, read_camera, read_detections, read_srdf, read_urdf,
+};
 use crate::camera::Camera;
 use crate::robot::{Mechanism, Tree};
 
@@ -45,8 +47,8 @@ pub enum FileReadError {
 ///
 /// # Errors
 /// When the file cannot be read or has no camera.
-pub fn read_camera_file(path: &Path) -> Result<Camera, FileReadError> {
-    Ok(read_camera(&text(path)?)?)
+pub fn read_camera_file(path: &Path, stated: &StatedCamera) -> Result<Camera, FileReadError> {
+    Ok(read_camera(&text(path)?, stated)?)
 }
 
 /// The detections of the file at `path`; see [`read_detections`].

@@ -1,4 +1,4 @@
-//! The matrices that ROS and OpenCV share: `{rows, cols, data}`.
+//! The matrices that ROS and OpenCV share: `{rows, cols, data}`, or the bare numbers.
 
 use super::error::{ReadError, ReadFault};
 use super::tree::{Located, Node};
@@ -6,35 +6,60 @@ use super::tree::{Located, Node};
 /// A matrix is never larger here.
 const MOST: u32 = 64;
 
-/// The entries of the matrix `key` of `root`, row by row.
-pub(super) fn entries(root: &Node, key: &str) -> Result<Vec<Located>, ReadError> {
-    let matrix = root.require("", key)?;
-    let within = format!("{key}.");
-    let side = |name: &str| matrix.require(&within, name)?.count(&format_args!("{within}{name}"), 0, MOST);
-    let (rows, columns) = (side("rows")?, side("cols")?);
-    let data = matrix.require(&within, "data")?;
-    let name = format!("{within}data");
-    let list = data.list(&name)?;
-    if list.len() as u32 != rows * columns {
-        let expected = format!("{} ({rows} x {columns})", rows * columns);
-        return Err(ReadFault::Length { key: name, found: list.len(), expected }.at(data.line));
-    }
-    list.iter().enumerate().map(|(i, node)| node.number(&format_args!("{name}[{i}]"))).collect()
+/// Skew, px per unit of y/z, of no account: over a field of view of 90° it moves the image by less than a thousandth of a pixel.
+const NO_SKEW: f64 = 1e-3;
+
+/// Rounding of the camera matrix's zeros and its one below.
+const ROUNDING: f64 = 1e-9;
+
+/// A matrix of a file.
+pub(super) struct Matrix {
+    /// The key of its numbers.
+    pub(super) key: String,
+    pub(super) line: usize,
+    /// Row by row.
+    pub(super) entries: Vec<Located>,
 }
 
-/// fx, fy, cx and cy of `camera_matrix`, which must have no skew.
-pub(super) fn pinhole(root: &Node) -> Result<[Located; 4], ReadError> {
-    let key = "camera_matrix";
-    let entries = entries(root, key)?;
-    let [fx, skew, cx, zero, fy, cy, left, below, one] = entries[..] else {
-        let line = root.require("", key)?.line;
-        let expected = "9 (3 x 3)".to_owned();
-        return Err(ReadFault::Length { key: format!("{key}.data"), found: entries.len(), expected }.at(line));
-    };
-    for (i, entry, must) in [(1, skew, 0.0), (3, zero, 0.0), (6, left, 0.0), (7, below, 0.0), (8, one, 1.0)] {
-        entry.between(&format_args!("{key}.data[{i}]"), must, must)?;
+impl Matrix {
+    /// The matrix at the first of `keys` that `root` has.
+    pub(super) fn read(root: &Node, keys: &[&str]) -> Result<Self, ReadError> {
+        let Some((key, matrix)) = root.first_of(keys) else {
+            return Err(ReadFault::Missing { key: keys[0].to_owned() }.at(root.line));
+        };
+        if matrix.entries().is_empty() {
+            return Ok(Self { key: key.to_owned(), line: matrix.line, entries: matrix.numbers(&key)? });
+        }
+        let within = format!("{key}.");
+        let side = |name: &str| matrix.require(&within, name)?.count(&format_args!("{within}{name}"), 0, MOST);
+        let (rows, columns) = (side("rows")?, side("cols")?);
+        let data = matrix.require(&within, "data")?;
+        let (key, line) = (format!("{within}data"), data.line);
+        let entries = data.numbers(&key)?;
+        if entries.len() as u32 != rows * columns {
+            let expected = format!("{} ({rows} x {columns})", rows * columns);
+            return Err(ReadFault::Length { key, found: entries.len(), expected }.at(line));
+        }
+        Ok(Self { key, line, entries })
     }
-    Ok([fx, fy, cx, cy])
+
+    /// fx, fy, cx and cy of a camera matrix, which must have no skew.
+    pub(super) fn pinhole(&self) -> Result<[Located; 4], ReadError> {
+        let Self { key, line, entries } = self;
+        let [fx, skew, cx, zero, fy, cy, left, below, one] = entries[..] else {
+            let expected = "9 (3 x 3)".to_owned();
+            return Err(ReadFault::Length { key: key.clone(), found: entries.len(), expected }.at(*line));
+        };
+        if skew.value.abs() > NO_SKEW {
+            return Err(ReadFault::Skew { key: format!("{key}[1]"), value: skew.value }.at(skew.line));
+        }
+        for (i, entry, must) in [(3, zero, 0.0), (6, left, 0.0), (7, below, 0.0), (8, one, 1.0)] {
+            if (entry.value - must).abs() > ROUNDING {
+                entry.between(&format_args!("{key}[{i}]"), must, must)?;
+            }
+        }
+        Ok([fx, fy, cx, cy])
+    }
 }
 
 /// Entries of the camera matrix of θ.

@@ -6,7 +6,9 @@
 //! | calipose's own observations, JSON | `observations` | yes | |
 //! | ROS `camera_info`, YAML | `ros` | yes | yes |
 //! | OpenCV `FileStorage`, YAML and JSON | `opencv` | yes | yes |
+//! | the same, XML | `opencv_xml` | yes | |
 //! | mrcal's cameramodel | `mrcal` | yes | yes |
+//! | Kalibr's camchain, YAML | `kalibr` | yes | yes |
 //! | robots, URDF and SRDF | `urdf` | yes | |
 //! | meshes, STL, OBJ and COLLADA | `mesh` | yes | |
 //!
@@ -14,21 +16,25 @@
 //! parser reads them all and remembers the lines for [`ReadError`].
 
 mod camera;
+mod coefficients;
 mod detections;
 mod error;
 mod file;
+mod kalibr;
 mod matrix;
 mod mesh;
 mod mrcal;
 mod number;
 mod observations;
 mod opencv;
+mod opencv_xml;
 mod ros;
 mod tree;
+mod unsupported;
 mod urdf;
 mod vnl;
 
-pub use camera::{CameraFormat, WriteError, read_camera};
+pub use camera::{CameraFormat, StatedCamera, WriteError, read_camera};
 pub use detections::{Detections, Stated, read_detections};
 pub use error::{ReadError, ReadFault};
 pub use file::{FileReadError, read_camera_file, read_detections_file, read_srdf_file, read_urdf_file};

@@ -1,9 +1,10 @@
 //! mrcal's cameramodel: a Python dict.
 
-use super::camera::{checked, image_side};
+use super::camera::{StatedCamera, checked, chosen, image_side};
 use super::error::{ReadError, ReadFault};
 use super::number::list;
 use super::tree::{Located, Node};
+use super::unsupported;
 use crate::camera::{Camera, Lens};
 
 const SUPPORTED: &str = "LENSMODEL_PINHOLE, LENSMODEL_OPENCV4, LENSMODEL_OPENCV5, LENSMODEL_OPENCV8";
@@ -26,7 +27,8 @@ pub(super) fn write(camera: &Camera) -> Option<String> {
     ))
 }
 
-pub(super) fn read(root: &Node) -> Result<Camera, ReadError> {
+pub(super) fn read(root: &Node, stated: &StatedCamera) -> Result<Camera, ReadError> {
+    chosen(&[(String::new(), root)], stated, root.line)?;
     let model = root.require("", "lensmodel")?;
     let name = model.text(&"lensmodel")?;
     let (lens, given) = match name {
@@ -34,24 +36,20 @@ pub(super) fn read(root: &Node) -> Result<Camera, ReadError> {
         "LENSMODEL_OPENCV4" => (Lens::BrownConrady, 8),
         "LENSMODEL_OPENCV5" => (Lens::BrownConrady, 9),
         "LENSMODEL_OPENCV8" => (Lens::Rational, 12),
-        _ => {
-            let (key, found) = ("lensmodel".to_owned(), name.to_owned());
-            return Err(ReadFault::Unsupported { key, found, supported: SUPPORTED }.at(model.line));
-        }
+        _ => return Err(unsupported::model("lensmodel", name, SUPPORTED, model.line)),
     };
     let size = root.require("", "imagersize")?;
     let sides = size.list(&"imagersize")?;
     let [width, height] = sides else {
         return Err(length("imagersize", sides.len(), 2, size.line));
     };
-    let size = [image_side(width, "imagersize[0]")?, image_side(height, "imagersize[1]")?];
+    let sides = [image_side(width, "imagersize[0]")?, image_side(height, "imagersize[1]")?];
+    let size = stated.image_size(Some(sides), size.line)?;
     let intrinsics = root.require("", "intrinsics")?;
-    let values = intrinsics.list(&"intrinsics")?;
-    if values.len() != given {
-        return Err(length("intrinsics", values.len(), given, intrinsics.line));
+    let mut θ = intrinsics.numbers(&"intrinsics")?;
+    if θ.len() != given {
+        return Err(length("intrinsics", θ.len(), given, intrinsics.line));
     }
-    let numbers = values.iter().enumerate().map(|(i, node)| node.number(&format_args!("intrinsics[{i}]")));
-    let mut θ = numbers.collect::<Result<Vec<Located>, ReadError>>()?;
     // OPENCV4 is without k3.
     θ.resize(lens.parameter_names().len(), Located { line: intrinsics.line, value: 0.0 });
     checked(lens, size, &θ)

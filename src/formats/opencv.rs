@@ -1,10 +1,11 @@
-//! OpenCV's `FileStorage` in YAML and JSON, with the keys of OpenCV's calibration sample.
+//! OpenCV's `FileStorage` in YAML, XML and JSON, with the keys of its calibration samples.
 
-use super::camera::{checked, image_size};
+use super::camera::{StatedCamera, checked, chosen, image_side};
+use super::coefficients;
 use super::error::{ReadError, ReadFault};
-use super::matrix::{camera_matrix, entries, pinhole};
+use super::matrix::{Matrix, camera_matrix};
 use super::number::list;
-use super::tree::{Located, Node};
+use super::tree::Node;
 use crate::camera::{Camera, Lens};
 
 const COEFFICIENTS: &str = "distortion_coefficients";
@@ -55,37 +56,64 @@ fn shape(row: &[f64]) -> [usize; 2] {
     [usize::from(!row.is_empty()), row.len()]
 }
 
+/// The camera's matrix and coefficients by the keys that OpenCV's samples and their users give them; the pairs of a stereo file, left
+/// first, are cameras of their own.
+const CAMERAS: [[&str; 2]; 10] = [
+    ["camera_matrix", COEFFICIENTS],
+    ["Camera_Matrix", "Distortion_Coefficients"],
+    ["cameraMatrix", "distCoeffs"],
+    ["K", "D"],
+    ["M1", "D1"],
+    ["M2", "D2"],
+    ["K1", "D1"],
+    ["K2", "D2"],
+    ["cameraMatrix1", "distCoeffs1"],
+    ["cameraMatrix2", "distCoeffs2"],
+];
+
 /// The number of coefficients tells the model, as it does to OpenCV's functions.
-pub(super) fn read(root: &Node) -> Result<Camera, ReadError> {
-    let size = image_size(root)?;
-    let mut θ = pinhole(root)?.to_vec();
-    let line = root.require("", COEFFICIENTS)?.line;
-    let mut coefficients = entries(root, COEFFICIENTS)?;
-    let found = coefficients.len();
+///
+/// Of a stereo file the camera is that whose matrix has the stated name, or the left one.
+pub(super) fn read(root: &Node, stated: &StatedCamera) -> Result<Camera, ReadError> {
+    let cameras = CAMERAS.into_iter().filter(|[matrix, _]| root.get(matrix).is_some()).collect::<Vec<_>>();
+    let Some(&first) = cameras.first() else { return Err(ReadFault::NoCamera.at(root.line)) };
+    let [matrix, listed] = match &stated.name {
+        None => first,
+        Some(_) => {
+            chosen(&cameras.iter().map(|&keys| (keys[0].to_owned(), keys)).collect::<Vec<_>>(), stated, root.line)?.1
+        }
+    };
+    let size = stated.image_size(image_size(root)?, root.line)?;
+    let matrix = Matrix::read(root, &[matrix])?;
+    let listed = Matrix::read(root, &[listed])?;
     let fisheye = match root.get(FISHEYE) {
         Some(node) => node.number(&FISHEYE)?.value != 0.0,
         None => false,
     };
-    // OpenCV fills up with zeros to the thin-prism and tilt models.
-    if matches!(found, 12 | 14) && coefficients[8..].iter().all(|x| x.value == 0.0) {
-        coefficients.truncate(8);
-    }
-    let lens = match (fisheye, coefficients.len()) {
-        (true, 4) => Lens::KannalaBrandt,
-        (false, 0) => Lens::Pinhole,
-        (false, 4 | 5) => Lens::BrownConrady,
-        (false, 8) => Lens::Rational,
-        _ => {
-            let expected = if fisheye {
-                "4 for a fisheye".to_owned()
-            } else {
-                "0, 4, 5 or 8 (thin prism and tilt are not supported)".to_owned()
-            };
-            return Err(ReadFault::Length { key: format!("{COEFFICIENTS}.data"), found, expected }.at(line));
+    let lens = match listed.entries.len() {
+        _ if fisheye => Lens::KannalaBrandt,
+        0 => Lens::Pinhole,
+        4 | 5 => Lens::BrownConrady,
+        8 | 12 | 14 => Lens::Rational,
+        found => {
+            let expected = "0, 4, 5, 8, 12 or 14".to_owned();
+            return Err(ReadFault::Length { key: listed.key, found, expected }.at(listed.line));
         }
     };
-    θ.extend(coefficients);
-    // Without k3.
-    θ.resize(lens.parameter_names().len(), Located { line, value: 0.0 });
+    let model = if fisheye { "OpenCV's fisheye" } else { "OpenCV's rational model" };
+    let mut θ = matrix.pinhole()?.to_vec();
+    θ.extend(coefficients::of_lens(lens, model, &listed)?);
     checked(lens, size, &θ)
+}
+
+/// Width and height, where the file states them.
+fn image_size(root: &Node) -> Result<Option<[u32; 2]>, ReadError> {
+    let side = |keys: [&'static str; 2]| root.first_of(&keys).map(|(key, node)| image_side(node, key)).transpose();
+    let [width, height] = [["image_width", "image_Width"], ["image_height", "image_Height"]].map(side);
+    match (width?, height?) {
+        (Some(width), Some(height)) => Ok(Some([width, height])),
+        (None, None) => Ok(None),
+        (Some(_), None) => Err(ReadFault::Missing { key: "image_height".to_owned() }.at(root.line)),
+        (None, Some(_)) => Err(ReadFault::Missing { key: "image_width".to_owned() }.at(root.line)),
+    }
 }

@@ -7,7 +7,7 @@ use saphyr_parser::{Event, Parser, ScalarStyle};
 use super::error::{ReadError, ReadFault};
 
 /// Deeper nesting is an attack, not a camera.
-const DEEPEST: usize = 32;
+pub(super) const DEEPEST: usize = 32;
 /// So are more keys in one map.
 const MOST_KEYS: usize = 1000;
 
@@ -15,11 +15,11 @@ const MOST_KEYS: usize = 1000;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Node {
     pub(super) line: usize,
-    content: Content,
+    pub(super) content: Content,
 }
 
 #[derive(Debug, Clone, PartialEq)]
-enum Content {
+pub(super) enum Content {
     /// A word or number without quotes.
     Plain(String),
     Quoted(String),
@@ -158,11 +158,48 @@ impl Node {
         self.get(key).ok_or_else(missing)
     }
 
+    /// The keys and values of a map; of anything else none.
+    pub(super) fn entries(&self) -> &[(String, Node)] {
+        match &self.content {
+            Content::Map(map) => map,
+            _ => &[],
+        }
+    }
+
+    /// The value at the first of `keys` that this map has, with that key.
+    pub(super) fn first_of<'k>(&self, keys: &[&'k str]) -> Option<(&'k str, &Node)> {
+        keys.iter().find_map(|&key| Some((key, self.get(key)?)))
+    }
+
     pub(super) fn list(&self, key: &dyn Display) -> Result<&[Node], ReadError> {
         match &self.content {
             Content::List(list) => Ok(list),
             _ => Err(self.mistyped(key, "a list")),
         }
+    }
+
+    /// A list of finite numbers, or of rows of them.
+    pub(super) fn numbers(&self, key: &dyn Display) -> Result<Vec<Located>, ReadError> {
+        if let Content::Plain(text) = &self.content
+            && several_numbers(text)
+        {
+            return Err(ReadFault::Commas { key: key.to_string() }.at(self.line));
+        }
+        let mut numbers = Vec::new();
+        for (i, node) in self.list(key)?.iter().enumerate() {
+            match &node.content {
+                Content::Plain(text) if several_numbers(text) => {
+                    return Err(ReadFault::Commas { key: key.to_string() }.at(node.line));
+                }
+                Content::List(row) => {
+                    for (j, node) in row.iter().enumerate() {
+                        numbers.push(node.number(&format_args!("{key}[{i}][{j}]"))?);
+                    }
+                }
+                _ => numbers.push(node.number(&format_args!("{key}[{i}]"))?),
+            }
+        }
+        Ok(numbers)
     }
 
     pub(super) fn text(&self, key: &dyn Display) -> Result<&str, ReadError> {
@@ -202,6 +239,12 @@ impl Node {
         };
         ReadFault::Type { key: key.to_string(), found, expected }.at(self.line)
     }
+}
+
+/// Whether `text` is numbers with nothing but blanks between them.
+fn several_numbers(text: &str) -> bool {
+    let mut words = text.split_whitespace();
+    words.clone().count() > 1 && words.all(|word| word.parse::<f64>().is_ok())
 }
 
 #[cfg(test)]

@@ -7,8 +7,9 @@ use std::path::PathBuf;
 use miette::{Diagnostic, LabeledSpan};
 use thiserror::Error;
 
+use crate::camera::Lens;
 use crate::feasibility::StabilityError;
-use crate::formats::FileReadError;
+use crate::formats::{FileReadError, ReadFault};
 
 /// One thing wrong with a problem file, and where.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -121,10 +122,14 @@ pub enum Reason {
         /// Its norm.
         norm: f64,
     },
-    /// The lens model is not one-to-one within the image.
+    /// The lens model folds back so far inside the picture that it is not of the camera.
     FoldsBack {
-        /// A pixel that no direction is projected to.
-        pixel: [f64; 2],
+        /// Angle to the optical axis at which it does, rad; none where the circle of the whole sphere is so small.
+        angle: Option<f64>,
+        /// Share of the picture that it reaches.
+        share: f64,
+        /// Share that it has to reach.
+        least: f64,
     },
     /// The file that the key names gives no camera.
     CameraFile {
@@ -265,7 +270,14 @@ impl Fault {
             Reason::NotApplicable { to, .. } => format!("`{key}` does not apply to {to}"),
             Reason::Conflict { with } => format!("`{key}` and `{with}` exclude each other"),
             Reason::NotUnit { norm } => format!("`{key}` has norm {}", Number(*norm)),
-            Reason::FoldsBack { .. } => format!("`{key}` folds back within the image"),
+            Reason::FoldsBack { angle: Some(angle), share, .. } => format!(
+                "`{key}` folds back {:.1}° off the optical axis and reaches only {:.0} % of the picture",
+                angle.to_degrees(),
+                100.0 * share
+            ),
+            Reason::FoldsBack { angle: None, share, .. } => {
+                format!("`{key}` reaches only {:.0} % of the picture", 100.0 * share)
+            }
             Reason::CameraFile { path, error } | Reason::RobotFile { path, error } => {
                 format!("{}: {error}", path.display())
             }
@@ -303,9 +315,14 @@ impl Fault {
             Reason::NotApplicable { .. } => "has no meaning here".into(),
             Reason::Conflict { .. } => "only one may be given".into(),
             Reason::NotUnit { .. } => "must have norm 1".into(),
-            Reason::FoldsBack { pixel: [u, v] } => {
-                format!("no direction is seen at pixel ({}, {})", Number(*u), Number(*v))
-            }
+            Reason::FoldsBack { least, .. } => format!("must reach {:.0} % of the picture", 100.0 * least),
+            Reason::CameraFile { error: FileReadError::Content(error), .. } => match error.fault {
+                ReadFault::Mismatch { .. } => "does not agree".into(),
+                ReadFault::UnknownCamera { .. } => "must name a camera of the file".into(),
+                ReadFault::NotStated { .. } | ReadFault::SeveralCameras { .. } => "leaves this open".into(),
+                ReadFault::OtherFormat { .. } | ReadFault::NoCamera => "names a file that is not read".into(),
+                _ => format!("names a file with an error in line {}", error.line),
+            },
             Reason::CameraFile { .. } => "must name a camera file".into(),
             Reason::Ambiguous { .. } => "must name one link".into(),
             Reason::Support { .. } => "must span an area".into(),
@@ -339,10 +356,11 @@ impl Fault {
                     .into()
             }
             Reason::FoldsBack { .. } => {
-                "check the signs and the order of the coefficients; the model must be one-to-one at least as far as \
-                 the middle of each image border"
+                "check the signs and the order of the coefficients, and that they are of this lens model; a fisheye is \
+                 \"kannala-brandt\""
                     .into()
             }
+            Reason::CameraFile { error: FileReadError::Content(error), .. } => return of_camera_file(&error.fault),
             Reason::TooManyConfigurations { .. } => "take a larger step, narrower joint limits, or a sample of them \
                                                      (`sample = 200000`); `axis = \"zone\"` holds only the \
                                                      configurations that point at the zone"
@@ -367,9 +385,33 @@ impl Diagnostic for Fault {
     }
 }
 
-/// "did you mean" the most similar name, or all there are.
+/// What to write beside `camera.file` where the file has `fault`.
+fn of_camera_file(fault: &ReadFault) -> Option<String> {
+    let hint = match fault {
+        ReadFault::NotStated { .. } => "give `width_px` and `height_px` beside `file`",
+        ReadFault::SeveralCameras { .. } | ReadFault::UnknownCamera { .. } => {
+            "`file_camera` names the camera of a file that has several: `file_camera = \"cam0\"`"
+        }
+        ReadFault::Mismatch { .. } => {
+            "beside a file that states the image size, `width_px` and `height_px` may be left out"
+        }
+        _ => return None,
+    };
+    Some(hint.to_owned())
+}
+
+/// "did you mean" the name that other tools have `found` for, the most similar name, or all there are.
 fn suggestion(found: &str, allowed: &[String], list: &str) -> String {
     const SIMILAR: f64 = 0.8;
+    let same = |a: &str| a.replace('-', "_").eq_ignore_ascii_case(&found.replace('-', "_"));
+    let known_as = |lens: &&Lens| lens.known_as().iter().any(|&other| same(other));
+    if let Some(lens) = Lens::ALL.iter().find(known_as).filter(|lens| allowed.iter().any(|name| name == lens.name())) {
+        return format!(
+            "did you mean `{}`, which is what other tools call {found}? {list}: {}",
+            lens.name(),
+            quoted(allowed)
+        );
+    }
     let similarity = |name: &String| strsim::jaro_winkler(found, name);
     match allowed.iter().max_by(|a, b| similarity(a).total_cmp(&similarity(b))) {
         Some(name) if similarity(name) > SIMILAR => format!("did you mean `{name}`? {list}: {}", quoted(allowed)),

@@ -169,12 +169,15 @@ pub(super) struct Camera {
     pub(super) mount: TextOrTable<Named<MountName>, Pose>,
     /// Solid around the camera; its pose is in the camera frame.
     pub(super) housing: Option<Body>,
-    /// File with the nominal calibration, in place of all keys below: ROS `camera_info` YAML, OpenCV `FileStorage` YAML
-    /// or JSON, or mrcal's cameramodel. Relative to the problem file's folder.
+    /// File with the nominal calibration, in place of the keys below: ROS `camera_info` YAML or the message as `topic echo` prints it,
+    /// OpenCV `FileStorage` YAML, XML or JSON, a Kalibr camchain, or mrcal's cameramodel. Relative to the problem file's folder.
     pub(super) file: Option<String>,
-    /// Image width in px; required without `file`.
+    /// Which camera of `file`, where it has several: "cam1" of a Kalibr camchain, "M2" of OpenCV's stereo files, whose left camera it
+    /// is when left out.
+    pub(super) file_camera: Option<String>,
+    /// Image width in px; required without `file`, and with one that does not state it.
     pub(super) width_px: Option<u32>,
-    /// Image height in px; required without `file`.
+    /// Image height in px; required without `file`, and with one that does not state it.
     pub(super) height_px: Option<u32>,
     /// Focal length along x, in px; required without `file`.
     pub(super) fx_px: Option<f64>,

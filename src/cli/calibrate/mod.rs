@@ -66,6 +66,7 @@ enum FormatName {
     #[value(name = "opencv-json")]
     OpenCvJson,
     Mrcal,
+    Kalibr,
     All,
 }
 
@@ -92,9 +93,15 @@ pub(super) fn run(arguments: &CalibrateArguments, screen: &mut Screen) -> Result
     let report = Report::new(&found, &calibration);
     let document = report.document();
     let mut files = vec![("calibration.json", format!("{document:#}\n"))];
+    let mut left_out = String::new();
     for format in formats {
-        let text = format.write(&calibration.camera).map_err(|error| Failure::Usage(error.to_string()))?;
-        files.push((format.file_name(), text));
+        match format.write(&calibration.camera) {
+            Ok(text) => files.push((format.file_name(), text)),
+            Err(error) if arguments.camera_format == FormatName::All => {
+                left_out += &format!("\nNot written: {}, because {error}.", format.file_name());
+            }
+            Err(error) => return Err(Failure::Usage(error.to_string())),
+        }
     }
     let writing = WRITING.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
     for (name, text) in &files {
@@ -103,7 +110,8 @@ pub(super) fn run(arguments: &CalibrateArguments, screen: &mut Screen) -> Result
     drop(writing);
     screen.document(&document.to_string())?;
     let written: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
-    screen.text(&format!("{}\nWritten to {}: {}.", report.text(), arguments.output.display(), written.join(", ")))?;
+    let (folder, written) = (arguments.output.display(), written.join(", "));
+    screen.text(&format!("{}\nWritten to {folder}: {written}.{left_out}", report.text()))?;
     Ok(Verdict::Good)
 }
 
@@ -135,17 +143,15 @@ fn unknown_camera(lens: Lens, observations: &Observations) -> Result<Model, Fail
     Ok((camera, (0..count).collect()))
 }
 
-/// The formats to write: one, which must know the lens, or all that do.
+/// The formats to write: one, which must know the lens, or all.
 fn formats(name: FormatName, camera: &Camera) -> Result<Vec<CameraFormat>, Failure> {
     let one = match name {
         FormatName::Ros => CameraFormat::Ros,
         FormatName::OpenCv => CameraFormat::OpenCv,
         FormatName::OpenCvJson => CameraFormat::OpenCvJson,
         FormatName::Mrcal => CameraFormat::Mrcal,
-        FormatName::All => {
-            let known = CameraFormat::ALL.into_iter().filter(|format| format.write(camera).is_ok());
-            return Ok(known.collect());
-        }
+        FormatName::Kalibr => CameraFormat::Kalibr,
+        FormatName::All => return Ok(CameraFormat::ALL.to_vec()),
     };
     match one.write(camera) {
         Ok(_) => Ok(vec![one]),

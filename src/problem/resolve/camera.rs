@@ -2,11 +2,9 @@
 
 use std::path::Path;
 
-use nalgebra::Vector2;
-
 use super::Check;
 use crate::camera::{Camera, Lens};
-use crate::formats::read_camera_file;
+use crate::formats::{FileReadError, ReadFault, StatedCamera, read_camera_file};
 use crate::problem::document::KeyPath;
 use crate::problem::fault::{Allowed, Reason};
 use crate::problem::schema;
@@ -17,6 +15,27 @@ const IMAGE_SIDE: Allowed = Allowed::between(1.0, 100_000.0);
 const FOCAL_LENGTH: Allowed = Allowed::positive(1e6);
 /// Distortion coefficients.
 const COEFFICIENT: Allowed = Allowed::between(-1e6, 1e6);
+
+/// The share of the picture that a lens has to reach. The image circle of a fisheye may end far inside it. Other lenses fill their
+/// pictures: a model that folds back within the inner half is not of the camera that took them.
+fn least_coverage(lens: Lens) -> f64 {
+    match lens {
+        Lens::KannalaBrandt => 0.1,
+        Lens::Pinhole | Lens::BrownConrady | Lens::Rational => 0.5,
+    }
+}
+
+/// The key that is to be changed where a camera file gives `error`.
+fn culprit(error: &FileReadError) -> &'static str {
+    match error {
+        FileReadError::Content(error) => match error.fault {
+            ReadFault::UnknownCamera { .. } => "file_camera",
+            ReadFault::Mismatch { .. } => "width_px",
+            _ => "file",
+        },
+        _ => "file",
+    }
+}
 
 impl schema::Camera {
     /// The lens model, if the problem file itself says it.
@@ -34,21 +53,18 @@ impl Check<'_, '_> {
             Some(file) => (self.imported(&at, camera, &folder.join(file))?, at.key("file")),
             None => (self.stated(&at, camera)?, at.key("distortion")),
         };
-        let [_, _, cx, cy, ..] = *model.intrinsics() else { return None };
-        let (right, bottom) = (f64::from(model.width()) - 1.0, f64::from(model.height()) - 1.0);
-        let border = [(0.0, cy), (right, cy), (cx, 0.0), (cx, bottom)];
-        if let Some((u, v)) = border.into_iter().find(|&(u, v)| model.unproject(&Vector2::new(u, v)).is_none()) {
-            self.fault(&distortion, Reason::FoldsBack { pixel: [u, v] });
+        let (least, share) = (least_coverage(model.lens()), model.coverage());
+        if share < least {
+            self.fault(&distortion, Reason::FoldsBack { angle: model.fold(), share, least });
             return None;
         }
         Some(model)
     }
 
-    /// The camera of the file at `path`, which takes the place of all other keys but the mount.
+    /// The camera of the file at `path`, which takes the place of the keys but the mount's and those of what it may leave open.
     fn imported(&mut self, at: &KeyPath, camera: &schema::Camera, path: &Path) -> Option<Camera> {
+        let faults = self.faults.len();
         let given = [
-            ("width_px", camera.width_px.is_some()),
-            ("height_px", camera.height_px.is_some()),
             ("fx_px", camera.fx_px.is_some()),
             ("fy_px", camera.fy_px.is_some()),
             ("cx_px", camera.cx_px.is_some()),
@@ -58,10 +74,17 @@ impl Check<'_, '_> {
         for (name, _) in given.into_iter().filter(|(_, given)| *given) {
             self.fault(&at.key(name), Reason::Conflict { with: "camera.file" });
         }
-        match read_camera_file(path) {
-            Ok(model) => given.iter().all(|(_, given)| !given).then_some(model),
+        let image = if camera.width_px.is_some() || camera.height_px.is_some() {
+            let width = self.image_side(&at.key("width_px"), camera.width_px);
+            let height = self.image_side(&at.key("height_px"), camera.height_px);
+            Some([width?, height?])
+        } else {
+            None
+        };
+        match read_camera_file(path, &StatedCamera { image, name: camera.file_camera.clone() }) {
+            Ok(model) => (self.faults.len() == faults).then_some(model),
             Err(error) => {
-                self.fault(&at.key("file"), Reason::CameraFile { path: path.to_owned(), error });
+                self.fault(&at.key(culprit(&error)), Reason::CameraFile { path: path.to_owned(), error });
                 None
             }
         }
@@ -70,13 +93,13 @@ impl Check<'_, '_> {
     /// The camera that the keys state.
     fn stated(&mut self, at: &KeyPath, camera: &schema::Camera) -> Option<Camera> {
         let faults = self.faults.len();
-        let side = |check: &mut Self, name: &str, value: Option<u32>| {
-            let value = check.required(&at.key(name), value)?;
-            check.number(&at.key(name), f64::from(value), IMAGE_SIDE);
-            Some(value)
-        };
-        let width = side(self, "width_px", camera.width_px);
-        let height = side(self, "height_px", camera.height_px);
+        if camera.file_camera.is_some() {
+            let (to, instead) =
+                ("a camera that is not from a file".to_owned(), "`file` names the camera file".to_owned());
+            self.fault(&at.key("file_camera"), Reason::NotApplicable { to, instead });
+        }
+        let width = self.image_side(&at.key("width_px"), camera.width_px);
+        let height = self.image_side(&at.key("height_px"), camera.height_px);
         let fx = self.required(&at.key("fx_px"), camera.fx_px);
         let fx = fx.map(|fx| self.number(&at.key("fx_px"), fx, FOCAL_LENGTH));
         let fy = camera.fy_px.map(|fy| self.number(&at.key("fy_px"), fy, FOCAL_LENGTH)).or(fx);
@@ -92,6 +115,12 @@ impl Check<'_, '_> {
         θ.extend(coefficients);
         // What Camera::new refuses has been refused above, with its place in the file.
         Camera::new(lens, width?, height?, &θ).ok()
+    }
+
+    fn image_side(&mut self, path: &KeyPath, value: Option<u32>) -> Option<u32> {
+        let value = self.required(path, value)?;
+        self.number(path, f64::from(value), IMAGE_SIDE);
+        Some(value)
     }
 
     fn required<T>(&mut self, path: &KeyPath, value: Option<T>) -> Option<T> {
