@@ -249,6 +249,30 @@ fn refusals_name_the_pairs_that_are_always_within_the_clearance_and_the_remedy()
 }
 
 #[test]
+fn reach_tells_which_links_its_configurations_bring_together() {
+    let look = "reach arm.toml --distance-mm 400 --tilt-deg 20 -n 8";
+    let free = desk(WITHOUT_BODIES, "");
+    assert!(free.stdout(look).contains("Collision: NOT tested (no bodies)"));
+    assert_eq!(free.json(&format!("{look} --json"))["collision_tested"], false);
+    // A floor 150 mm up, in which the shoulder always is.
+    let floor = FLOOR.replace("-2001", "-1850");
+    let problem = with_scene(CAPSULES, &floor);
+    let capsules = CAPSULES.replace("[2000, 2000, 20]", "[150, 150, 20]").replace("clearance_mm = 10", "");
+    let arm = desk(&capsules, &floor);
+    let document = arm.json(&format!("{look} --json"));
+    let found = document["configurations"].as_array().unwrap();
+    let into_the_floor = |q: &[f64]| lowest_of(&problem.robot.tree, &MOVING[1..], q) < 0.15;
+    let mut deep = 0;
+    for configuration in found {
+        let q: Vec<f64> = serde_json::from_value(configuration["joints_rad"].clone()).unwrap();
+        deep += usize::from(into_the_floor(&q));
+        assert!(!into_the_floor(&q) || configuration["collision"].is_array(), "{configuration}");
+    }
+    assert!(deep > 0 && found.iter().any(|configuration| configuration["collision"].is_null()), "{document}");
+    assert!(arm.stdout(look).contains("–floor"));
+}
+
+#[test]
 fn check_says_which_way_is_up_in_the_picture() {
     let arm = desk(WITHOUT_BODIES, "");
     let text = arm.stdout("check arm.toml");

@@ -192,28 +192,41 @@ fn named_mounts_are_the_rotations_that_they_say() {
     assert!((axis(-Vector3::y()) - Vector3::z()).norm() < 1e-15);
 }
 
-/// What the starter shows as comments of bodies, masses and the tests made with them is right.
+/// The starter's robot has bodies and stands on a table, and what it shows as comments of masses and stability is right.
 #[test]
-fn the_bodies_that_the_starter_shows_are_right() {
+fn the_starter_is_tested_for_collision_with_its_table_and_its_masses_are_right() {
     let mut shown = STARTER.to_owned();
     for line in STARTER.lines() {
         let starts =
-            ["# [[robot.", "# link", "# capsule", "# pose = { position_mm = [0, 0, -150", "# mass", "# center_mm"];
-        let more = ["# [collision]", "# clearance", "# [stability]", "# support", "# margin_mm"];
-        if starts.iter().chain(&more).any(|start| line.starts_with(start)) {
+            ["# [[robot.masses", "# link", "# mass", "# center_mm", "# [stability]", "# support", "# margin_mm"];
+        if starts.iter().any(|start| line.starts_with(start)) {
             shown = shown.replacen(&format!("\n{line}\n"), &format!("\n{}\n", &line[2..]), 1);
         }
     }
     let problem = load(&shown);
-    let tree = &problem.robot.tree;
-    assert_eq!(tree.links.iter().map(|link| link.bodies.len()).sum::<usize>(), 2, "the waist's and the board");
-    assert_eq!(tree.center_of_mass(&tree.link_poses(&[0.0; 6])).unwrap().mass, 8.0);
-    assert_eq!((problem.clearance, problem.stability.unwrap().margin), (0.0, 0.0));
+    let robot = &problem.robot;
+    assert_eq!(robot.joints_without_bodies().count(), 0);
+    let [table] = robot.obstacles[..] else { panic!("{:?}", robot.obstacles) };
+    assert_eq!(robot.tree.links[table].name, "table");
+    let links = problem.checks().collision().links().clone();
+    assert_eq!((links.always.len(), links.close.len()), (0, 0), "{links:?}");
+    assert!(links.tested.iter().filter(|(pair, share)| pair.contains(&table) && *share > 0.0).count() > 1, "{links:?}");
+    assert!(links.adjacent.contains(&[0, table]), "the base stands on it");
+    assert_eq!(robot.tree.center_of_mass(&robot.tree.link_poses(&[0.0; 6])).unwrap().mass, 8.0);
+    assert_eq!((problem.clearance, problem.stability.unwrap().margin), (0.01, 0.0));
+}
+
+/// The starter without bodies and scene.
+fn bare_starter() -> String {
+    let (from, to) = ("# What the robot is made of", "# The joint configurations to try");
+    let (start, end) = (STARTER.find(from).unwrap(), STARTER.find(to).unwrap());
+    let text = format!("{}{}", &STARTER[..start], &STARTER[end..]);
+    text.lines().filter(|line| !line.starts_with("housing = ")).collect::<Vec<_>>().join("\n")
 }
 
 #[test]
 fn bodies_masses_and_ground_in_metres_on_their_links() {
-    let text = STARTER.replace(
+    let text = bare_starter().replace(
         "[sweep]",
         r#"
         [[robot.bodies]]

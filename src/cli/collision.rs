@@ -39,6 +39,11 @@ pub(super) fn tested_text(problem: &Problem, document: &CollisionDocument) -> St
     text
 }
 
+/// That nothing is tested, where no part of the robot that moves has a body.
+pub(super) fn untested_text(problem: &Problem) -> Option<String> {
+    (!problem.robot.has_bodies()).then(|| tested_text(problem, &CollisionDocument::new(problem, &LinkPairs::default())))
+}
+
 /// The pairs of links that are always within the clearance, with what to do about each; empty if there are none.
 pub(super) fn close_text(problem: &Problem, links: &LinkPairs) -> String {
     let name = |link: usize| problem.robot.tree.links[link].name.as_str();

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
+use super::collision::untested_text;
 use super::failure::Failure;
 use super::plan::pose_table;
 use super::planned::Planned;
@@ -105,10 +106,11 @@ pub(super) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<Verd
         ),
     };
     screen.text(&format!(
-        "{known}\n{} more, taken next, bring it to {} px:\n\n{}{verdict}",
+        "{known}\n{} more, taken next, bring it to {} px:\n\n{}{verdict}{}",
         proposal.poses.len(),
         short(proposal.expected),
         pose_table(&problem, &proposal.poses),
+        untested_text(&problem).map(|line| format!("\n{line}")).unwrap_or_default(),
     ))?;
     Ok(Verdict::good_if(proposal.fulfilled))
 }

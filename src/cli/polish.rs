@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::WRITING;
+use super::collision::untested_text;
 use super::failure::Failure;
 use super::plan::pose_table;
 use super::planned::Planned;
@@ -53,7 +54,7 @@ pub(super) fn run(arguments: &PolishArguments, screen: &mut Screen) -> Result<()
         "{}: {} poses polished in {} cycles{end}.\n\n\
          Criterion `{}`: value {} on the grid, {} off it: {:.2} % more information.\n\
          Map error: {} px on the grid, {} px off it.\n\
-         Of the grid's bound {} the plan reached {:.4}, the polished poses {:.4}: {}.\n\n{}\n\n\
+         Of the grid's bound {} the plan reached {:.4}, the polished poses {:.4}: {}.\n\n{}\n\n{}\
          Written to {}: polished.json, polished.csv.",
         found.problem.name,
         found.count,
@@ -69,6 +70,7 @@ pub(super) fn run(arguments: &PolishArguments, screen: &mut Screen) -> Result<()
         found.efficiency_by_grid_bound,
         found.proven,
         pose_table(problem, &found.poses),
+        untested_text(problem).map(|line| format!("{line}\n")).unwrap_or_default(),
         if folder.as_os_str().is_empty() { Path::new(".") } else { folder }.display(),
     ))
 }

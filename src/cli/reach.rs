@@ -6,8 +6,10 @@ use clap::{ArgGroup, Args};
 use nalgebra::{Quaternion, UnitQuaternion};
 use serde_json::json;
 
+use super::collision::untested_text;
 use super::failure::Failure;
 use super::screen::{Screen, joint_columns, short, table};
+use crate::feasibility::LinkPair;
 use crate::plan::{Pose as PoseDocument, joints_deg, reach_starts};
 use crate::problem::Problem;
 use crate::robot::{ReachSettings, Reached, reach};
@@ -129,13 +131,17 @@ pub(super) fn run(arguments: &ReachArguments, screen: &mut Screen) -> Result<(),
     let mut found = reach(&problem.robot, &wished, &reach_starts(&problem), &settings);
     found.truncate(arguments.count);
     let reached = found.iter().any(|configuration| configuration.reached);
-    screen.document(&document(&problem, &wished, &found).to_string())?;
+    let in_the_way: Vec<Option<LinkPair>> = {
+        let checks = problem.checks();
+        found.iter().map(|found| checks.collision().first(&problem.robot.tree.link_poses(&found.q))).collect()
+    };
+    screen.document(&document(&problem, &wished, &found, &in_the_way).to_string())?;
     let verdict = match (reached, found.len()) {
         (true, 1) => "one configuration takes the pose".to_owned(),
         (true, n) => format!("{n} configurations that take the pose, those farthest from joint limits first"),
         (false, _) => "nothing found takes the pose; the nearest".to_owned(),
     };
-    screen.text(&format!("{}: {verdict}:\n\n{}", problem.name, configurations(&problem, &found)))?;
+    screen.text(&format!("{}: {verdict}:\n\n{}", problem.name, configurations(&problem, &found, &in_the_way)))?;
     match &found[..] {
         [nearest, ..] if !reached => Err(Failure::Unreached {
             position_error: nearest.position_error,
@@ -146,8 +152,9 @@ pub(super) fn run(arguments: &ReachArguments, screen: &mut Screen) -> Result<(),
     }
 }
 
-fn document(problem: &Problem, wished: &Pose, found: &[Reached]) -> serde_json::Value {
-    let configuration = |configuration: &Reached| {
+fn document(problem: &Problem, wished: &Pose, found: &[Reached], in_the_way: &[Option<LinkPair>]) -> serde_json::Value {
+    let name = |link: usize| problem.robot.tree.links[link].name.as_str();
+    let configuration = |(configuration, pair): (&Reached, &Option<LinkPair>)| {
         json!({
             "joints_rad": configuration.q,
             "joints_deg": joints_deg(&problem.robot.chain, &configuration.q),
@@ -156,6 +163,7 @@ fn document(problem: &Problem, wished: &Pose, found: &[Reached]) -> serde_json::
             "angle_error_deg": configuration.angle_error.to_degrees(),
             "limit_margin": configuration.limit_margin,
             "camera_in_base": PoseDocument::new(&problem.robot.camera_pose(&configuration.q)),
+            "collision": pair.map(|pair| pair.map(name)),
         })
     };
     json!({
@@ -165,7 +173,8 @@ fn document(problem: &Problem, wished: &Pose, found: &[Reached]) -> serde_json::
         "wished": PoseDocument::new(wished),
         "reached": found.iter().any(|configuration| configuration.reached),
         "joints": problem.robot.chain.joints.iter().map(|joint| joint.name.as_str()).collect::<Vec<_>>(),
-        "configurations": found.iter().map(configuration).collect::<Vec<_>>(),
+        "collision_tested": problem.robot.has_bodies(),
+        "configurations": found.iter().zip(in_the_way).map(configuration).collect::<Vec<_>>(),
     })
 }
 
@@ -174,11 +183,13 @@ fn hundredths(value: f64) -> String {
     format!("{:.2}", (value * 100.0).round() / 100.0 + 0.0)
 }
 
-fn configurations(problem: &Problem, found: &[Reached]) -> String {
+fn configurations(problem: &Problem, found: &[Reached], in_the_way: &[Option<LinkPair>]) -> String {
+    let tested = problem.robot.has_bodies();
+    let name = |link: usize| problem.robot.tree.links[link].name.as_str();
     let joints = joint_columns(&problem.robot.chain.joints);
     let errors = ["limit margin [%]", "position off [mm]", "angle off [deg]"].map(String::from);
-    let header: Vec<String> = joints.chain(errors).collect();
-    let row = |configuration: &Reached| {
+    let header: Vec<String> = joints.chain(errors).chain(tested.then(|| "collision".into())).collect();
+    let row = |(configuration, pair): (&Reached, &Option<LinkPair>)| {
         let values = joints_deg(&problem.robot.chain, &configuration.q).into_iter().map(hundredths);
         let off = |error: f64| if error < 5e-7 { "0".to_owned() } else { short(error) };
         let errors = [
@@ -186,8 +197,10 @@ fn configurations(problem: &Problem, found: &[Reached]) -> String {
             off(configuration.position_error * 1e3),
             off(configuration.angle_error.to_degrees()),
         ];
-        values.chain(errors).collect()
+        let collision = tested.then(|| pair.map_or("none".into(), |[a, b]| format!("{}–{}", name(a), name(b))));
+        values.chain(errors).chain(collision).collect()
     };
-    let rows: Vec<Vec<String>> = found.iter().map(row).collect();
-    table(&header.iter().map(String::as_str).collect::<Vec<_>>(), &rows)
+    let rows: Vec<Vec<String>> = found.iter().zip(in_the_way).map(row).collect();
+    let table = table(&header.iter().map(String::as_str).collect::<Vec<_>>(), &rows);
+    untested_text(problem).map_or(table.clone(), |untested| format!("{table}\n\n{untested}"))
 }
