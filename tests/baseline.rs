@@ -10,7 +10,8 @@ use std::path::Path;
 use calipose::information::Criterion;
 use calipose::plan::{Chooser, Survey, compare, survey};
 use calipose::problem::Problem;
-use calipose::selection::Method;
+use calipose::selection::{Method, lloyd};
+use serde::Deserialize;
 
 const SEEDS: usize = 5;
 
@@ -67,4 +68,27 @@ fn efficiency_of_d() {
 #[test]
 fn efficiency_of_v() {
     certified(Criterion::V, [(8, 0.9689), (10, 0.9816), (15, 0.9956), (20, 0.9971)]);
+}
+
+#[derive(Deserialize)]
+struct Clusters {
+    points: Vec<Vec<f64>>,
+    start: Vec<Vec<f64>>,
+    labels: Vec<usize>,
+    centres: Vec<Vec<f64>>,
+    inertia: f64,
+}
+
+/// The golden file is written by the script beside it.
+#[test]
+fn clusters_are_those_of_scikit_learn() {
+    let cases: Vec<Clusters> = serde_json::from_str(include_str!("golden/kmeans.json")).unwrap();
+    for case in cases {
+        let found = lloyd(&case.points, case.start);
+        assert_eq!(found.labels, case.labels);
+        assert!((found.inertia - case.inertia).abs() < 1e-9 * case.inertia);
+        for (centre, expected) in found.centres.iter().flatten().zip(case.centres.iter().flatten()) {
+            assert!((centre - expected).abs() < 1e-9);
+        }
+    }
 }

@@ -33,7 +33,7 @@ pub use function::{Gradient, InformationFunction};
 pub use greedy::greedy;
 pub use influence::{Spare, spares, without_each};
 pub use instance::{Instance, Term};
-pub use kmeans::{ClusteringError, kmeans};
+pub use kmeans::{Clustering, ClusteringError, kmeans, lloyd};
 pub use method::Method;
 pub use random::random;
 pub use relaxation::{Relaxation, RelaxationSettings, relax};
