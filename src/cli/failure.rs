@@ -106,7 +106,8 @@ fn plan_help(error: &PlanError) -> String {
         PlanError::TooFewViews { .. } => {
             "ask for fewer poses, sweep with a finer step, or loosen the limits of [visibility]"
         }
-        PlanError::Unobservable { .. } => {
+        PlanError::NoRoom { .. } => "lower the separations of [constraints], loosen its groups, or ask for fewer poses",
+        PlanError::Unobservable { .. } | PlanError::HardlyObservable { .. } => {
             "ask for more poses, or take a parameter of the combination out of [estimate]"
         }
         PlanError::Covariance => {
@@ -125,8 +126,7 @@ fn plan_help(error: &PlanError) -> String {
             "wish for less, sweep with a finer step, loosen [visibility] or [constraints], or lower the noise"
         }
         PlanError::Selection(
-            SelectionError::DeadEnd { .. }
-            | SelectionError::Allowed { .. }
+            SelectionError::Allowed { .. }
             | SelectionError::RequiredAndForbidden { .. }
             | SelectionError::RequiredAboveCap { .. }
             | SelectionError::RequiredTooClose { .. },

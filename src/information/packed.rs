@@ -53,6 +53,48 @@ pub fn cholesky(m: &mut [f64], p: usize) -> bool {
     true
 }
 
+/// Relative size of what rounding leaves uncertain in the entries of a sum of information matrices, `√(m_ii m_jj)` being one.
+pub const RESOLUTION: f64 = 1e-13;
+
+/// Whether the matrix of a Cholesky factor is positive definite beyond rounding: scaled to a unit diagonal, so that units do
+/// not decide, its least eigenvalue exceeds [`RESOLUTION`].
+///
+/// The trace of the scaled inverse, at least `1 / λ_min`, is the sum of the variance inflations `m_ii (M⁻¹)_ii`: how much more
+/// uncertain a parameter is than it were if the others were known. The scaled determinant spares most matrices the inverse,
+/// for it is below `e λ_min`.
+pub fn is_resolved(l: &[f64], p: usize) -> bool {
+    let row = |i: usize| &l[packed_len(i)..=packed_len(i) + i];
+    let determinant: f64 = (0..p).map(|i| row(i)[i] * row(i)[i] / dot(row(i), row(i))).product();
+    if determinant > std::f64::consts::E * p as f64 * RESOLUTION {
+        return true;
+    }
+    let mut column = vec![0.0; p];
+    let mut inflations = 0.0;
+    for j in 0..p {
+        column.fill(0.0);
+        column[j] = dot(row(j), row(j)).sqrt();
+        solve_lower(l, p, &mut column);
+        inflations += dot(&column, &column);
+    }
+    inflations < RESOLUTION.recip()
+}
+
+/// `M⁻¹`, p×p; `None` if M is not positive definite beyond rounding.
+pub fn inverse(m: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let p = m.nrows();
+    let mut l = pack(m);
+    (cholesky(&mut l, p) && is_resolved(&l, p)).then(|| inverse_of_factor(&l, p))
+}
+
+/// `(L Lᵀ)⁻¹` of a packed Cholesky factor.
+pub(crate) fn inverse_of_factor(l: &[f64], p: usize) -> DMatrix<f64> {
+    let mut X = DMatrix::identity(p, p);
+    for column in X.as_mut_slice().chunks_exact_mut(p) {
+        solve_lower_transposed(l, p, column);
+    }
+    &X * X.transpose()
+}
+
 /// `log det M` of a Cholesky factor.
 pub fn log_det(l: &[f64], p: usize) -> f64 {
     // One logarithm for all: the product of few pivots of a scaled matrix neither over- nor underflows in practice,
@@ -150,6 +192,42 @@ mod tests {
             let inner: f64 = dual(pack(&m), 7).iter().zip(pack(&c)).map(|(a, b)| a * b).sum();
             prop_assert!((inner - (&m * &c).trace()).abs() < 1e-9);
         }
+    }
+
+    /// Sums of fewer rank-one matrices than parameters, in units far apart: whatever rounding makes of them is not resolved.
+    #[test]
+    fn what_rounding_leaves_of_a_singular_matrix_is_not_resolved() {
+        let mut state = 1u64;
+        let mut draw = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+        };
+        let p = 6;
+        let mut factored = 0;
+        for _ in 0..2000 {
+            let mut sum = vec![0.0; packed_len(p)];
+            let units: Vec<f64> = (0..p).map(|_| 10f64.powf(16.0 * draw())).collect();
+            let mut add = |sum: &mut Vec<f64>, size: f64| {
+                let a: Vec<f64> = units.iter().map(|unit| unit * draw() * size).collect();
+                for i in 0..p {
+                    for j in 0..=i {
+                        sum[packed_len(i) + j] += a[i] * a[j];
+                    }
+                }
+            };
+            for _ in 1..p {
+                add(&mut sum, 1.0);
+            }
+            let mut l = sum.clone();
+            if cholesky(&mut l, p) {
+                factored += 1;
+                assert!(!is_resolved(&l, p));
+            }
+            // A last one of a hundredth's size resolves it, by either way of telling.
+            add(&mut sum, 1e-2);
+            assert!(cholesky(&mut sum, p) && is_resolved(&sum, p));
+        }
+        assert!(factored > 100, "{factored}");
     }
 
     #[test]

@@ -10,6 +10,7 @@ use crate::information::packed::unpack;
 use crate::problem::{JointRegion, PoseConstraints, Problem};
 use crate::robot::JointKind;
 use crate::selection::{Cap, Constraints, Separation};
+use crate::spatial::Pose;
 use crate::sweep::AxisRule;
 use crate::target::{AxisCase, Corners};
 
@@ -107,12 +108,41 @@ fn chord(angle: f64) -> f64 {
     2.0 * (0.5 * angle).sin()
 }
 
-/// The p×p information that is known before the first pose is chosen: of the views taken already, and the standard
-/// deviations stated.
+/// A view taken already, of the corners that its configuration sees.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Captured {
+    pub(super) X_CT: Pose,
+    pub(super) seen: Corners,
+}
+
+/// The views taken already.
 ///
 /// # Errors
-/// When a view taken does not see the board.
-pub(super) fn known(problem: &Problem) -> Result<DMatrix<f64>, ConstraintError> {
+/// When one does not see the board.
+pub(super) fn captured(problem: &Problem) -> Result<Vec<Captured>, ConstraintError> {
+    let corners: Vec<_> = problem.target.board.corners().collect();
+    let view = |(view, q): (usize, &Vec<f64>)| {
+        let X_CT = problem.robot.camera_pose(q).inverse() * problem.target.X_BT;
+        let camera = &problem.camera;
+        let in_image =
+            |corner: &Point3<f64>| camera.project(&(X_CT * corner)).is_some_and(|pixel| camera.contains(&pixel, 0.0));
+        let printed_side = (X_CT.rotation * Vector3::z()).dot(&X_CT.translation.vector) < 0.0;
+        let seen: Vec<usize> = (0..corners.len()).filter(|&i| in_image(&corners[i])).collect();
+        if !printed_side || seen.len() < problem.visibility.min_corners.unwrap_or(corners.len()) {
+            return Err(ConstraintError::CapturedUnseen { view: view + 1 });
+        }
+        let seen = if seen.len() == corners.len() { Corners::All } else { Corners::Some(seen) };
+        Ok(Captured { X_CT, seen })
+    };
+    problem.constraints.captured.iter().enumerate().map(view).collect()
+}
+
+/// The p×p information on the intrinsics that is known before the first pose is chosen: of the views taken already, and the
+/// standard deviations stated.
+///
+/// # Errors
+/// When a view taken does not see enough of the board.
+pub(super) fn known(problem: &Problem, captured: &[Captured]) -> Result<DMatrix<f64>, ConstraintError> {
     let p = problem.estimated.len();
     let corners: Vec<_> = problem.target.board.corners().collect();
     let measurement =
@@ -121,18 +151,9 @@ pub(super) fn known(problem: &Problem) -> Result<DMatrix<f64>, ConstraintError> 
     for &(j, sigma) in &problem.prior_sigma {
         known[(j, j)] += sigma.powi(-2);
     }
-    for (view, q) in problem.constraints.captured.iter().enumerate() {
-        let X_CT = problem.robot.camera_pose(q).inverse() * problem.target.X_BT;
-        let camera = &problem.camera;
-        let in_image =
-            |corner: &Point3<f64>| camera.project(&(X_CT * corner)).is_some_and(|pixel| camera.contains(&pixel, 0.0));
-        let printed_side = (X_CT.rotation * Vector3::z()).dot(&X_CT.translation.vector) < 0.0;
-        let seen: Vec<usize> = (0..corners.len()).filter(|&i| in_image(&corners[i])).collect();
-        let enough = printed_side && seen.len() >= problem.visibility.min_corners.unwrap_or(corners.len());
-        let seen = if seen.len() == corners.len() { Corners::All } else { Corners::Some(seen) };
-        let information = measurement.information(&X_CT, &seen).filter(|_| enough);
-        let information = information.ok_or(ConstraintError::CapturedUnseen { view: view + 1 })?;
-        known += unpack(&information, p);
+    for (view, Captured { X_CT, seen }) in captured.iter().enumerate() {
+        let information = measurement.information(X_CT, seen);
+        known += unpack(&information.ok_or(ConstraintError::CapturedUnseen { view: view + 1 })?, p);
     }
     Ok(known)
 }

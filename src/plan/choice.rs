@@ -5,17 +5,17 @@ use std::ops::ControlFlow;
 use nalgebra::DMatrix;
 use thiserror::Error;
 
-use super::allowed::{ConstraintError, constraints, known};
+use super::allowed::{Captured, ConstraintError, captured, constraints, known};
 use super::objective::Objective;
 use super::proof::AccuracyDocument;
 use super::survey::{Survey, SurveyError};
 use crate::information::Criterion;
-use crate::information::packed::{pack, packed_len, unpack};
+use crate::information::packed::{inverse, pack, packed_len, unpack};
 use crate::problem::{Accuracy, Problem};
 use crate::selection::{
     Best, Certificate, ClusteringError, Constraints, Fewest, InformationFunction, Instance, Method, NotEnough,
-    RelaxationSettings, Search, SearchProgress, SelectionError, best, exchange, fewest, greedy, kmeans, random, relax,
-    search,
+    RelaxationSettings, Search, SearchProgress, SelectionError, best, fewest, greedy, improved_greedy, kmeans, random,
+    relax, search, start_of_search,
 };
 
 /// Why a problem has no plan.
@@ -40,9 +40,32 @@ pub enum PlanError {
         /// Names of the parameters and their coefficients in the combination, largest 1.
         combination: Vec<(String, f64)>,
     },
+    /// The poses found leave some combination of the intrinsics all but undetermined, where others might tell far more.
+    #[error(
+        "the {count} poses found give less than {:e} of the information that the certificate's bound allows; they all but \
+             leave open: {}",
+        Self::LEAST_EFFICIENCY,
+        describe(combination)
+    )]
+    HardlyObservable {
+        /// Poses found.
+        count: usize,
+        /// Names of the parameters and their coefficients in the combination least known, largest 1.
+        combination: Vec<(String, f64)>,
+    },
     /// The constraints cannot be held.
     #[error(transparent)]
     Constraints(#[from] ConstraintError),
+    /// No set of so many poses that the constraints allow was found.
+    #[error("{}", describe_room(*count, *found, *at_most))]
+    NoRoom {
+        /// Poses asked for.
+        count: usize,
+        /// The most that were found.
+        found: usize,
+        /// No allowed set has more.
+        at_most: usize,
+    },
     /// The accuracies are out of reach.
     #[error("{}: {}", describe_reach(*count, *bound), describe_shortfalls(shortfalls))]
     Inaccurate {
@@ -63,6 +86,24 @@ pub enum PlanError {
     /// The baseline failed.
     #[error(transparent)]
     Clustering(#[from] ClusteringError),
+}
+
+impl PlanError {
+    /// Certified efficiency below which a choice is no plan: standard deviations could be a thousandth.
+    pub const LEAST_EFFICIENCY: f64 = 1e-6;
+}
+
+fn describe_room(count: usize, found: usize, at_most: usize) -> String {
+    if at_most >= count {
+        format!(
+            "no {count} poses that [constraints] allow together were found; the most found are {found}, and it is not \
+             proven that there are no more"
+        )
+    } else if at_most == found {
+        format!("[constraints] allow at most {found} poses together, which is proven; {count} are asked for")
+    } else {
+        format!("[constraints] allow no {count} poses together: {found} were found, and at most {at_most} are possible")
+    }
 }
 
 fn describe(combination: &[(String, f64)]) -> String {
@@ -107,6 +148,7 @@ pub struct Chooser<'a> {
     map_error: InformationFunction,
     /// p×p information already at hand.
     prior: DMatrix<f64>,
+    captured: Vec<Captured>,
 }
 
 /// A set of poses and how good it is.
@@ -128,7 +170,9 @@ impl<'a> Chooser<'a> {
     /// # Errors
     /// When the constraints cannot be held, or a view does not give what a criterion needs.
     pub fn new(problem: &'a Problem, survey: &'a Survey) -> Result<Self, PlanError> {
-        Self::with(problem, survey, &problem.selection.criteria, known(problem)?)
+        let captured = captured(problem)?;
+        let known = known(problem, &captured)?;
+        Self::with(problem, survey, &problem.selection.criteria, known, captured)
     }
 
     fn with(
@@ -136,15 +180,17 @@ impl<'a> Chooser<'a> {
         survey: &'a Survey,
         criteria: &[(Criterion, f64)],
         prior: DMatrix<f64>,
+        captured: Vec<Captured>,
     ) -> Result<Self, PlanError> {
         Ok(Self {
             problem,
             survey,
-            objective: Objective::new(problem, survey, criteria, &prior)?,
+            objective: Objective::new(problem, survey, criteria, &prior, &captured)?,
             constraints: constraints(problem, survey)?,
             settings: RelaxationSettings { tolerance: problem.selection.tolerance, ..RelaxationSettings::default() },
             map_error: InformationFunction::variance(&survey.map_weight),
             prior,
+            captured,
         })
     }
 
@@ -153,7 +199,7 @@ impl<'a> Chooser<'a> {
     /// # Errors
     /// As [`Chooser::new`].
     pub fn by(&self, criteria: &[(Criterion, f64)]) -> Result<Self, PlanError> {
-        Self::with(self.problem, self.survey, criteria, self.prior.clone())
+        Self::with(self.problem, self.survey, criteria, self.prior.clone(), self.captured.clone())
     }
 
     /// The same chooser when the p×p information `prior` on the intrinsics is known too: that of the views taken, say.
@@ -171,7 +217,7 @@ impl<'a> Chooser<'a> {
         for (_, share) in &mut criteria {
             *share /= sum;
         }
-        Self::with(self.problem, self.survey, &criteria, &self.prior + prior)
+        Self::with(self.problem, self.survey, &criteria, &self.prior + prior, self.captured.clone())
     }
 
     /// The same chooser by the accuracies that the problem wishes for, instead of its criteria.
@@ -185,6 +231,7 @@ impl<'a> Chooser<'a> {
             settings: self.settings,
             map_error: self.map_error.clone(),
             prior: self.prior.clone(),
+            captured: self.captured.clone(),
         }
     }
 
@@ -238,8 +285,11 @@ impl<'a> Chooser<'a> {
         observe: &mut dyn FnMut(&SearchProgress) -> ControlFlow<()>,
     ) -> Result<(Choice, Certificate, Search), PlanError> {
         let instance = self.instance(count)?;
-        let start = best(&instance, &self.settings, seed).map_err(|e| self.explain(e))?;
+        let start = start_of_search(&instance, &self.settings, seed).map_err(|e| self.explain(e))?;
         let found = search(&instance, &start, f64::NEG_INFINITY, self.problem.selection.node_limit, observe);
+        if found.log_value == f64::NEG_INFINITY {
+            return Err(self.explain(instance.unobservable(&found.selected)));
+        }
         Ok((self.assess(found.selected.clone()), start.relaxation.certificate, found))
     }
 
@@ -293,7 +343,7 @@ impl<'a> Chooser<'a> {
     /// As [`Chooser::best`].
     pub fn certificate(&self, count: usize) -> Result<Certificate, PlanError> {
         let instance = self.instance(count)?;
-        let start = exchange(&instance, greedy(&instance).map_err(|e| self.explain(e))?);
+        let start = improved_greedy(&instance).map_err(|e| self.explain(e))?;
         let relaxation = relax(&instance, &start, &self.settings);
         let relaxation = relaxation.ok_or_else(|| self.explain(instance.unobservable(&start)))?;
         Ok(relaxation.certificate)
@@ -305,19 +355,19 @@ impl<'a> Chooser<'a> {
     /// As [`Chooser::best`]; random and clustered choices may be singular, which is no error.
     pub fn choose(&self, method: Method, count: usize, seed: u64) -> Result<Choice, PlanError> {
         let instance = self.instance(count)?;
-        let greedy = || greedy(&instance).map_err(|e| self.explain(e));
+        let improved = || improved_greedy(&instance).map_err(|e| self.explain(e));
         let selected = match method {
             Method::Best | Method::Exact => {
                 best(&instance, &self.settings, seed).map_err(|e| self.explain(e))?.selected
             }
             Method::Relaxation => {
-                let start = exchange(&instance, greedy()?);
+                let start = improved()?;
                 let relaxation = relax(&instance, &start, &self.settings);
                 let relaxation = relaxation.ok_or_else(|| self.explain(instance.unobservable(&start)))?;
                 relaxation.rounded(&instance).unwrap_or(start)
             }
-            Method::Exchange => exchange(&instance, greedy()?),
-            Method::Greedy => greedy()?,
+            Method::Exchange => improved()?,
+            Method::Greedy => greedy(&instance).map_err(|e| self.explain(e))?,
             Method::Random => random(self.survey.views.len(), count, seed),
             Method::KMeansJoints => {
                 let joints: Vec<_> = self.survey.views.iter().map(|view| view.q.clone()).collect();
@@ -342,6 +392,18 @@ impl<'a> Chooser<'a> {
         }
         let instance = self.instance(choice.selected.len())?;
         Err(self.explain(instance.unobservable(&choice.selected)))
+    }
+
+    /// Refuses a choice of log Φ = `log_value` that is hardly better than none beside what `log_bound` allows.
+    pub(super) fn require_efficient(&self, choice: &Choice, log_bound: f64) -> Result<(), PlanError> {
+        if choice.log_value - log_bound >= PlanError::LEAST_EFFICIENCY.ln() {
+            return Ok(());
+        }
+        let instance = self.instance(choice.selected.len())?;
+        match self.explain(instance.unobservable(&choice.selected)) {
+            PlanError::Unobservable { count, combination } => Err(PlanError::HardlyObservable { count, combination }),
+            other => Err(other),
+        }
     }
 
     /// Information of a choice on the intrinsics, the prior included, p×p.
@@ -371,8 +433,8 @@ impl<'a> Chooser<'a> {
 
     /// Standard deviations and map error by the p×p information M on the intrinsics, as in a [`Choice`].
     pub(super) fn accuracy(&self, M: &DMatrix<f64>) -> (Vec<f64>, f64) {
-        let sigma = match M.clone().cholesky() {
-            Some(factor) => factor.inverse().diagonal().iter().map(|variance| variance.sqrt()).collect(),
+        let sigma = match inverse(M) {
+            Some(covariance) => covariance.diagonal().iter().map(|variance| variance.sqrt()).collect(),
             None => vec![],
         };
         (sigma, (-0.5 * self.map_error.log_value(&mut pack(M), M.nrows())).exp())
@@ -392,6 +454,7 @@ impl<'a> Chooser<'a> {
                 let names = self.objective.parameters(term).iter().cloned();
                 PlanError::Unobservable { count, combination: names.zip(combination).collect() }
             }
+            SelectionError::NoRoom { count, found, at_most } => PlanError::NoRoom { count, found, at_most },
             other => PlanError::Selection(other),
         }
     }

@@ -197,7 +197,6 @@ impl Plan {
                 SearchEnd::Optimal => "optimal",
                 SearchEnd::NodeLimit => "node limit",
                 SearchEnd::Stopped => "time limit or interrupt",
-                SearchEnd::Undecided => "singular part",
             }
             .into(),
             nodes: search.nodes,

@@ -8,9 +8,10 @@ use super::explanation::{
     CombinationTerm, CurvePoint, EXPLANATION_FORMAT, EXPLANATION_VERSION, Explanation, LeastKnown, PoseExplanation,
     SparePose, Suffering,
 };
+use crate::information::packed::inverse;
 use crate::information::pixel_units;
 use crate::problem::Problem;
-use crate::selection::{RelaxationSettings, SelectionError, exchange, greedy, relax, spares};
+use crate::selection::{RelaxationSettings, SelectionError, improved_greedy, relax, spares};
 
 /// How much to explain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -79,9 +80,9 @@ fn curve_point(chooser: &Chooser, plan: &Choice, count: usize) -> Result<Option<
         Err(PlanError::Selection(SelectionError::Allowed { .. })) => return Ok(None),
         instance => instance?,
     };
-    let found = match greedy(&instance) {
-        Ok(start) => Some(exchange(&instance, start)),
-        Err(SelectionError::Unobservable { .. } | SelectionError::DeadEnd { .. }) => None,
+    let found = match improved_greedy(&instance) {
+        Ok(found) => Some(found),
+        Err(SelectionError::Unobservable { .. } | SelectionError::NoRoom { .. }) => None,
         Err(error) => return Err(chooser.explain(error)),
     };
     // The relaxation may start anywhere that determines everything, with more poses than it is to choose.
@@ -173,10 +174,12 @@ fn least_known(problem: &Problem, chooser: &Chooser, plan: &Choice) -> LeastKnow
     }
     let names = problem.estimated_names().into_iter().map(String::from);
     let combination = terms(names.zip(c.iter().copied()));
-    let Some(factor) = M.cholesky() else { return LeastKnown { combination, sigma: None, moves_image_px: None } };
+    let Some(covariance) = inverse(&M) else {
+        return LeastKnown { combination, sigma: None, moves_image_px: None };
+    };
     // The combination is aᵀθ with a = c/u; its variance aᵀ C a, and θ follows it by C a / σ.
     let a = nalgebra::DVector::from_fn(c.len(), |j, _| if unit(j) > 0.0 { c[j] / unit(j) } else { 0.0 });
-    let Ca = factor.solve(&a);
+    let Ca = covariance * &a;
     let sigma = a.dot(&Ca).sqrt();
     let δ = Ca / sigma;
     let moves = δ.dot(&(&survey.map_weight * &δ)).sqrt();

@@ -45,7 +45,7 @@ pub struct FewestProof {
 /// explains the choice too. `observe` hears of searches and may end them; what is found by then is returned.
 ///
 /// # Errors
-/// When no choice is possible, or it leaves a combination of the intrinsics undetermined.
+/// When no choice is possible, or it leaves a combination of the intrinsics undetermined or all but so.
 pub fn make<'a>(
     problem: &Problem,
     chooser: Chooser<'a>,
@@ -75,6 +75,7 @@ pub fn make<'a>(
         }
     };
     let log_bound = search.as_ref().map_or(certificate.log_bound, |search| search.log_bound);
+    chooser.require_efficient(&choice, log_bound)?;
     let search =
         search.map(|search| SearchSummary { end: search.end, nodes: search.nodes, open_at_root: search.open_at_root });
     Ok((Made { choice, certificate, log_bound, search, fewest: None }, chooser))

@@ -3,14 +3,16 @@
 use std::borrow::Cow;
 
 use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
 
+use super::allowed::Captured;
 use super::survey::{Survey, SurveyError};
 use crate::feasibility::View;
 use crate::information::packed::{pack, packed_len, unpack};
 use crate::information::{Criterion, DiversityModel, InformationSet, Measurement, ZHANG_DIRECTIONS, pixel_units};
 use crate::problem::{Accuracy, Problem};
 use crate::selection::{Constraints, InformationFunction, Instance, SelectionError, Term};
+use crate::spatial::Pose;
+use crate::target::Corners;
 
 /// What `diversity` assumes known beforehand, as a share of one average view: enough to compare sets of fewer views than
 /// the ten numbers of its model, too little to weigh in larger ones.
@@ -83,7 +85,7 @@ impl Source {
 
 impl<'a> Objective<'a> {
     /// The weighted geometric mean of `criteria`, shares beside them; `prior` is the p×p information on the intrinsics that
-    /// is known already.
+    /// is known already, that of the views `captured` included. These count in criteria that are not of the intrinsics too.
     ///
     /// # Errors
     /// When a view's corners do not fix what a criterion needs.
@@ -92,10 +94,11 @@ impl<'a> Objective<'a> {
         survey: &'a Survey,
         criteria: &[(Criterion, f64)],
         prior: &DMatrix<f64>,
+        captured: &[Captured],
     ) -> Result<Self, SurveyError> {
         let terms: Result<Vec<_>, _> = criteria
             .iter()
-            .map(|&(criterion, share)| ObjectiveTerm::new(problem, survey, criterion, share, prior))
+            .map(|&(criterion, share)| ObjectiveTerm::new(problem, survey, criterion, share, prior, captured))
             .collect();
         Ok(Self { terms: terms? })
     }
@@ -250,6 +253,7 @@ impl<'a> ObjectiveTerm<'a> {
         criterion: Criterion,
         share: f64,
         prior: &DMatrix<f64>,
+        captured: &[Captured],
     ) -> Result<Self, SurveyError> {
         let names = owned(&problem.estimated_names());
         let borrowed = Cow::Borrowed(&survey.information);
@@ -289,20 +293,24 @@ impl<'a> ObjectiveTerm<'a> {
                     noise: problem.noise,
                     estimated: &problem.estimated,
                 };
-                let candidates = measurement
-                    .zhang_set(survey.views.par_iter().map(|view| (&view.X_CT, &view.seen)))
-                    .ok_or(SurveyError::PoseUndetermined {
-                        columns: problem.target.board.columns,
-                        rows: problem.target.board.rows,
-                    })?;
+                let undetermined = SurveyError::PoseUndetermined {
+                    columns: problem.target.board.columns,
+                    rows: problem.target.board.rows,
+                };
+                let set = |views: Vec<(&Pose, &Corners)>| measurement.zhang_set(views).ok_or(undetermined.clone());
+                let candidates = set(survey.views.iter().map(|view| (&view.X_CT, &view.seen)).collect())?;
+                let known = set(captured.iter().map(|view| (&view.X_CT, &view.seen)).collect())?;
+                let prior = unpack(&known.sum(), candidates.order());
                 let function = InformationFunction::min_eigenvalue();
-                term(Cow::Owned(candidates), None, function, owned(&ZHANG_DIRECTIONS), Source::Zhang)
+                term(Cow::Owned(candidates), Some(prior), function, owned(&ZHANG_DIRECTIONS), Source::Zhang)
             }
             Criterion::Diversity => {
                 let poses = poses();
                 let model = DiversityModel::new(&poses);
                 let (candidates, monomials) = (model.information_set(&poses), model.monomials());
-                let prior = unpack(&candidates.mean(), monomials.len()) * DIVERSITY_PRIOR;
+                let known = model.information_set(&captured.iter().map(|view| view.X_CT).collect::<Vec<_>>());
+                let prior = unpack(&candidates.mean(), monomials.len()) * DIVERSITY_PRIOR
+                    + unpack(&known.sum(), monomials.len());
                 let function = InformationFunction::Determinant;
                 term(Cow::Owned(candidates), Some(prior), function, monomials, Source::Diversity(model))
             }

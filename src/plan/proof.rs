@@ -45,7 +45,7 @@ pub struct Price {
 /// How the search for the proven best set went.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SearchDocument {
-    /// "optimal"; or what ended it before: "node limit", "time limit or interrupt", "singular part".
+    /// "optimal"; or what ended it before: "node limit", "time limit or interrupt".
     pub end: String,
     /// Parts of the search space that were bounded.
     pub nodes: usize,

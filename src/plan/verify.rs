@@ -4,6 +4,7 @@ use nalgebra::DMatrix;
 use thiserror::Error;
 
 use crate::calibration::CalibrationSettings;
+use crate::information::packed::{inverse, unpack};
 use crate::information::{Measurement, map_error_weight};
 use crate::problem::Problem;
 use crate::spatial::Pose;
@@ -59,10 +60,10 @@ pub fn verify(
         let X_CT: Pose = robot.camera_pose(q).inverse() * target.X_BT;
         let information = measurement.information(&X_CT, &corners).ok_or(not_seen)?;
         seen.push(corners);
-        M += crate::information::packed::unpack(&information, estimated.len());
+        M += unpack(&information, estimated.len());
     }
     let unobservable = VerifyError::Unobservable { poses: configurations.len() };
-    let covariance = M.cholesky().ok_or(unobservable)?.inverse();
+    let covariance = inverse(&M).ok_or(unobservable)?;
     let map_weight = map_error_weight(camera, estimated);
     let nominal = Nominal { robot, camera, target, sigma: *noise };
     let planned: Vec<_> = configurations.iter().zip(&seen).collect();

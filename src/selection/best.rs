@@ -4,8 +4,7 @@ use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256Plus;
 
 use super::error::SelectionError;
-use super::exchange::exchange;
-use super::greedy::greedy;
+use super::exchange::{exchange_each, improved_greedy};
 use super::instance::Instance;
 use super::relaxation::{Relaxation, RelaxationSettings, relax};
 
@@ -27,23 +26,24 @@ pub struct Best {
 /// Selects with every means: exchange from greedy, then from roundings of the relaxation, and keeps the best.
 ///
 /// # Errors
-/// When greedy leaves a combination of the parameters undetermined.
+/// As [`improved_greedy`].
 pub fn best(instance: &Instance, settings: &RelaxationSettings, seed: u64) -> Result<Best, SelectionError> {
-    let start = exchange(instance, greedy(instance)?);
+    let start = improved_greedy(instance)?;
     let total = instance.total(&start);
     let relaxation = relax(instance, &start, settings).ok_or_else(|| instance.unobservable(&start))?;
     let mut best = Best { log_value: instance.log_value(&total), selected: start, relaxation };
     let mut rng = Xoshiro256Plus::seed_from_u64(seed);
-    let mut tried = vec![best.selected.clone()];
+    let mut starts = vec![];
     for round in 0..=if instance.is_smooth() { ROUNDINGS } else { ROUNDINGS_AT_KINKS } {
         let order = if round == 0 { best.relaxation.by_weight() } else { best.relaxation.drawn_by_weight(&mut rng) };
-        let Some(rounded) =
-            first_allowed(instance, instance.required(), &order).filter(|rounded| !tried.contains(rounded))
-        else {
-            continue;
-        };
-        tried.push(rounded.clone());
-        let selected = exchange(instance, rounded);
+        if let Some(rounded) = first_allowed(instance, instance.required(), &order)
+            && rounded != best.selected
+            && !starts.contains(&rounded)
+        {
+            starts.push(rounded);
+        }
+    }
+    for selected in exchange_each(instance, starts) {
         let log_value = instance.log_value(&instance.total(&selected));
         if log_value > best.log_value {
             best.selected = selected;
@@ -91,8 +91,9 @@ impl Relaxation {
     }
 
     /// The candidates of largest weight that the constraints of `instance` allow together, ascending; `None` if those of
-    /// positive weight are too few.
+    /// positive weight are too few, or leave a combination of the parameters undetermined.
     pub fn rounded(&self, instance: &Instance) -> Option<Vec<usize>> {
-        first_allowed(instance, instance.required(), &self.by_weight())
+        let rounded = first_allowed(instance, instance.required(), &self.by_weight());
+        rounded.filter(|rounded| !instance.is_singular(rounded))
     }
 }

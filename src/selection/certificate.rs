@@ -53,9 +53,14 @@ impl Certificate {
             &reduced
         };
         let (counted, _) = rules.greatest(scores, instance.count());
-        // Rounding of the scores that count: the terms may cancel.
+        // Rounding of the scores that count: the terms may cancel, and so may the prices.
         let terms = counted.iter().flat_map(|&i| instance.products(&dual, i).map(f64::abs));
-        let rounding = dual.len() as f64 * f64::EPSILON * terms.sum::<f64>();
+        let paid = prices.iter().map(|&(c, price)| {
+            let times = counted.iter().filter(|&&i| rules.caps_of(i).contains(&c)).count();
+            price * (times + rules.caps[c].most) as f64
+        });
+        let operations = dual.len() + prices.len() + counted.len();
+        let rounding = operations as f64 * f64::EPSILON * (terms.sum::<f64>() + paid.sum::<f64>());
         let known: f64 = instance.prior().iter().zip(&dual).map(|(m, y)| m * y).sum();
         let capped: f64 = prices.iter().map(|&(c, price)| price * rules.caps[c].most as f64).sum();
         let mut greatest: Vec<f64> = counted.iter().map(|&i| scores[i]).collect();

@@ -24,6 +24,13 @@ pub struct Cap {
     pub most: usize,
 }
 
+impl Cap {
+    /// How many of `selected` count.
+    pub(super) fn count(&self, selected: &[usize]) -> usize {
+        selected.iter().filter(|i| self.members.binary_search(i).is_ok()).count()
+    }
+}
+
 /// Selected candidates are at least `least` apart.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Separation {
@@ -72,6 +79,8 @@ pub(super) struct Rules {
     open: Vec<bool>,
     /// The caps given, then the cells of the separations.
     pub(super) caps: Vec<Cap>,
+    /// Number of caps given.
+    given: usize,
     /// Numbers of the caps that each candidate counts in; empty if there are none.
     caps_of: Vec<Vec<usize>>,
     separations: Vec<Separation>,
@@ -105,7 +114,7 @@ impl Rules {
             cap.members.dedup();
         }
         if let Some((group, cap, among)) = caps.iter().enumerate().find_map(|(group, cap)| {
-            let among = required.iter().filter(|i| cap.members.binary_search(i).is_ok()).count();
+            let among = cap.count(&required);
             (among > cap.most).then_some((group, cap, among))
         }) {
             return Err(SelectionError::RequiredAboveCap { group, required: among, most: cap.most });
@@ -119,6 +128,7 @@ impl Rules {
             }
         }
         let separations: Vec<_> = separations.into_iter().filter(|separation| separation.least > 0.0).collect();
+        let given = caps.len();
         caps.extend(separations.iter().flat_map(Separation::cells));
         let mut open = vec![];
         if !(required.is_empty() && forbidden.is_empty()) {
@@ -136,7 +146,7 @@ impl Rules {
                 }
             }
         }
-        let rules = Self { required, open, caps, caps_of, separations };
+        let rules = Self { required, open, caps, given, caps_of, separations };
         let available = rules.required.len() + (0..candidates).filter(|&i| rules.is_open(i)).count();
         if count > available || count < rules.required.len() {
             return Err(SelectionError::Allowed { count, required: rules.required.len(), available });
@@ -164,12 +174,21 @@ impl Rules {
         if self.caps_of.is_empty() { &[] } else { &self.caps_of[i] }
     }
 
+    /// The caps given.
+    pub(super) fn groups(&self) -> &[Cap] {
+        &self.caps[..self.given]
+    }
+
+    /// Whether two candidates are too close to each other.
+    pub(super) fn conflict(&self, i: usize, j: usize) -> bool {
+        self.separations.iter().any(|separation| separation.conflict(i, j))
+    }
+
     /// Whether open candidate `i` may join `selected`, once `leaving` has left.
     pub(super) fn allows(&self, selected: &[usize], leaving: Option<usize>, i: usize) -> bool {
         let others = || selected.iter().filter(|&&j| Some(j) != leaving);
         let fits = |&c: &usize| others().filter(|&&j| self.caps_of(j).contains(&c)).count() < self.caps[c].most;
-        self.caps_of(i).iter().all(fits)
-            && self.separations.iter().all(|separation| others().all(|&j| !separation.conflict(i, j)))
+        self.caps_of(i).iter().all(fits) && others().all(|&j| !self.conflict(i, j))
     }
 
     /// Scores less the prices of the caps that each candidate counts in.

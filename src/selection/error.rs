@@ -99,15 +99,20 @@ pub enum SelectionError {
         /// Number of candidates that may be.
         available: usize,
     },
-    /// The constraints left no candidate to go on with.
-    #[error("after {selected} of {count} candidates, picked one by one, the constraints allow no other")]
-    DeadEnd {
-        /// Number selected.
-        selected: usize,
+    /// No set of so many that the constraints allow was found. It is proven that there is none if `at_most` is below `count`.
+    #[error(
+        "no {count} candidates that the constraints allow together were found; {found} are, and more than {at_most} are \
+             proven impossible"
+    )]
+    NoRoom {
         /// Number asked for.
         count: usize,
+        /// The most that were found.
+        found: usize,
+        /// No allowed set is larger; the number of candidates where nothing is known.
+        at_most: usize,
     },
-    /// Some combination of the parameters is not determined.
+    /// Some combination of the parameters is not determined, to working precision.
     #[error("{count} views leave a combination of the parameters undetermined")]
     Unobservable {
         /// Number of views that were tried: as many as asked for, or all candidates together.

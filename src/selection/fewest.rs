@@ -40,8 +40,7 @@ pub enum NotEnough {
     Never {
         /// The best selection that was found, ascending: of the most that may be selected, unless constraints were in the way.
         selected: Vec<usize>,
-        /// No selection of the most that may be selected has a greater log Φ; ∞ where constraints were in the way, so that it is
-        /// not known.
+        /// No selection has a greater log Φ; ∞ where constraints were in the way, so that it is not known.
         log_bound: f64,
     },
 }
@@ -115,8 +114,10 @@ impl Quest<'_> {
                     let log_bound = bounded.map_or(f64::INFINITY, |relaxed| relaxed.certificate.log_bound);
                     return Err(NotEnough::Never { selected: improved, log_bound });
                 }
-                Err(SelectionError::DeadEnd { selected, .. }) if (self.fewest_allowed()..count).contains(&selected) => {
-                    return self.in_narrow_room(selected);
+                Err(SelectionError::NoRoom { found, at_most, .. })
+                    if (self.fewest_allowed()..count).contains(&found) =>
+                {
+                    return self.in_narrow_room(found, at_most);
                 }
                 Err(SelectionError::Unobservable { .. }) if count < most => {}
                 Err(error) => return Err(error.into()),
@@ -126,21 +127,26 @@ impl Quest<'_> {
         }
     }
 
-    /// The same where constraints let greedy place no more than `most`: fewer, well placed, may do.
-    fn in_narrow_room(&self, most: usize) -> Result<Vec<usize>, NotEnough> {
+    /// The same where no more than `found` were found to be allowed together, and no more than `at_most` are.
+    fn in_narrow_room(&self, found: usize, at_most: usize) -> Result<Vec<usize>, NotEnough> {
         let mut closest: Option<Best> = None;
-        for count in (self.fewest_allowed()..=most).rev() {
-            let Ok(found) = self.best(count) else { continue };
-            if found.log_value >= self.level {
-                return Ok(found.selected);
+        let mut log_bound = f64::INFINITY;
+        for count in (self.fewest_allowed()..=found).rev() {
+            let Ok(best) = self.best(count) else { continue };
+            if best.log_value >= self.level {
+                return Ok(best.selected);
             }
-            if closest.as_ref().is_none_or(|closest| found.log_value > closest.log_value) {
-                closest = Some(found);
+            // What bounds the largest sets bounds all.
+            if count == at_most {
+                log_bound = best.relaxation.certificate.log_bound;
+            }
+            if closest.as_ref().is_none_or(|closest| best.log_value > closest.log_value) {
+                closest = Some(best);
             }
         }
         match closest {
-            Some(closest) => Err(NotEnough::Never { selected: closest.selected, log_bound: f64::INFINITY }),
-            None => Err(SelectionError::DeadEnd { selected: most, count: most + 1 }.into()),
+            Some(closest) => Err(NotEnough::Never { selected: closest.selected, log_bound }),
+            None => Err(SelectionError::NoRoom { count: found + 1, found, at_most }.into()),
         }
     }
 

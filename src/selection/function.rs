@@ -17,7 +17,9 @@ use nalgebra::DMatrix;
 
 use super::curvature::Curvature;
 use super::soft_minimum::SoftMinimum;
-use crate::information::packed::{cholesky, log_det, pack, solve_lower, solve_lower_transposed, unpack};
+use crate::information::packed::{
+    cholesky, inverse_of_factor, is_resolved, log_det, pack, solve_lower, solve_lower_transposed, unpack,
+};
 
 /// An information function of p×p matrices.
 #[derive(Debug, Clone, PartialEq)]
@@ -90,15 +92,18 @@ impl InformationFunction {
         }
     }
 
-    /// `log Φ(M)` of a packed matrix of order p, which serves as work space; −∞ if M is singular.
+    /// `log Φ(M)` of a packed matrix of order p, which serves as work space; −∞ if M is singular to working precision.
     pub fn log_value(&self, m: &mut [f64], p: usize) -> f64 {
         match self {
             InformationFunction::MinEigenvalue { softness } => {
                 let M = unpack(m, p);
-                // Of a matrix that is singular to working precision the least eigenvalue is rounding.
-                if cholesky(m, p) { least(M.symmetric_eigenvalues().as_slice(), *softness) } else { f64::NEG_INFINITY }
+                if !factored(m, p) {
+                    return f64::NEG_INFINITY;
+                }
+                let λ = M.symmetric_eigenvalues();
+                if is_above_rounding(λ.as_slice()) { least(λ.as_slice(), *softness) } else { f64::NEG_INFINITY }
             }
-            _ if !cholesky(m, p) => f64::NEG_INFINITY,
+            _ if !factored(m, p) => f64::NEG_INFINITY,
             InformationFunction::Determinant => log_det(m, p) / p as f64,
             InformationFunction::Variance(factor) => -variance(factor, m, p).ln(),
             InformationFunction::WorstVariance { factors, softness } => {
@@ -111,11 +116,11 @@ impl InformationFunction {
     /// The gradient Y of log Φ at packed M; where Φ has a kink one of its supergradients. `None` if M is singular.
     pub fn gradient(&self, m: &[f64], p: usize) -> Option<Gradient> {
         let mut l = m.to_vec();
-        if !cholesky(&mut l, p) {
+        if !factored(&mut l, p) {
             return None;
         }
         let y = match self {
-            InformationFunction::Determinant => inverse(&l, p) / p as f64,
+            InformationFunction::Determinant => inverse_of_factor(&l, p) / p as f64,
             InformationFunction::Variance(factor) => {
                 let X = solved(&l, factor);
                 &X * X.transpose() / (X.transpose() * unpack(m, p) * &X).trace()
@@ -123,7 +128,7 @@ impl InformationFunction {
             InformationFunction::MinEigenvalue { softness } => {
                 let eigen = unpack(m, p).symmetric_eigen();
                 let λ = eigen.eigenvalues.as_slice();
-                if λ.iter().any(|&λ| λ <= 0.0) {
+                if !is_above_rounding(λ) {
                     return None;
                 }
                 let slopes = slopes(λ, *softness);
@@ -182,7 +187,7 @@ impl InformationFunction {
             return None;
         }
         let mut l = m.to_vec();
-        if !cholesky(&mut l, p) {
+        if !factored(&mut l, p) {
             return None;
         }
         match self {
@@ -191,7 +196,7 @@ impl InformationFunction {
             InformationFunction::MinEigenvalue { softness } => {
                 let eigen = unpack(m, p).symmetric_eigen();
                 let λ = eigen.eigenvalues.as_slice();
-                let soft = λ.iter().all(|&λ| λ > 0.0).then(|| SoftMinimum::new(λ, *softness))?;
+                let soft = is_above_rounding(λ).then(|| SoftMinimum::new(λ, *softness))?;
                 Some(Curvature::of_min_eigenvalue(eigen.eigenvectors, &soft))
             }
             InformationFunction::WorstVariance { factors, softness } => {
@@ -200,6 +205,18 @@ impl InformationFunction {
             }
         }
     }
+}
+
+/// Replaces packed M by its Cholesky factor; `false` if M is singular to working precision.
+fn factored(m: &mut [f64], p: usize) -> bool {
+    cholesky(m, p) && is_resolved(m, p)
+}
+
+/// Whether the least of a symmetric matrix's eigenvalues is more than the rounding of the greatest.
+fn is_above_rounding(λ: &[f64]) -> bool {
+    let least = λ.iter().copied().fold(f64::INFINITY, f64::min);
+    let greatest = λ.iter().copied().fold(0.0, f64::max);
+    least > 8.0 * λ.len() as f64 * f64::EPSILON * greatest
 }
 
 /// The logarithm of the least of positive numbers, or of their soft minimum; −∞ if one is not positive.
@@ -264,15 +281,6 @@ fn solved(l: &[f64], X: &DMatrix<f64>) -> DMatrix<f64> {
         solve_lower_transposed(l, p, column);
     }
     X
-}
-
-/// `M⁻¹` of a packed Cholesky factor.
-fn inverse(l: &[f64], p: usize) -> DMatrix<f64> {
-    let mut X = DMatrix::identity(p, p);
-    for column in X.as_mut_slice().chunks_exact_mut(p) {
-        solve_lower_transposed(l, p, column);
-    }
-    &X * X.transpose()
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::error::SelectionError;
 use super::instance::Instance;
+use super::packing::{EFFORT, packing};
 
 /// Information assumed before the first pick, as a share of k average views: keeps log Φ finite until the picks
 /// determine every parameter, and too little to weigh once they do.
@@ -25,9 +26,43 @@ const PROBES: usize = 64;
 /// anew in every step either: if `Y ⪯ c·Y'` then `s_i ≤ c·s'_i`, so a score of an earlier step bounds that of this one, and
 /// only candidates whose bound reaches the best gain found are scored and evaluated. The picks are those of a full search.
 ///
+/// Where the constraints allow no further pick, as many of the first picks are kept as a search can complete.
+///
 /// # Errors
-/// When the picks leave a combination of the parameters undetermined, or the constraints allow no further pick.
+/// When the picks leave a combination of the parameters undetermined, or no allowed set was found.
 pub fn greedy(instance: &Instance) -> Result<Vec<usize>, SelectionError> {
+    let selected = start(instance)?;
+    if instance.is_singular(&selected) {
+        return Err(instance.unobservable(&selected));
+    }
+    Ok(selected)
+}
+
+/// As [`greedy`], be the picks singular or not.
+pub(super) fn start(instance: &Instance) -> Result<Vec<usize>, SelectionError> {
+    let picked = picks(instance)?;
+    if picked.len() == instance.count() { Ok(picked) } else { completed(instance, &picked) }
+}
+
+/// An allowed set with as many of the first `picked` as a search finds one for; the required ones come first among them.
+fn completed(instance: &Instance, picked: &[usize]) -> Result<Vec<usize>, SelectionError> {
+    let required = instance.required();
+    for kept in (required.len() + 1..=picked.len()).rev() {
+        let found = packing(instance, &picked[..kept], EFFORT / 16);
+        if found.selected.len() == instance.count() {
+            return Ok(found.selected);
+        }
+    }
+    let found = packing(instance, required, EFFORT);
+    if found.selected.len() == instance.count() {
+        return Ok(found.selected);
+    }
+    let most = found.selected.len().max(picked.len());
+    Err(SelectionError::NoRoom { count: instance.count(), found: most, at_most: found.at_most })
+}
+
+/// The picks, fewer than wanted if the constraints allow no other.
+fn picks(instance: &Instance) -> Result<Vec<usize>, SelectionError> {
     let softened = instance.softened(SOFTNESS);
     let mut total = softened.with_mean(RIDGE * instance.count() as f64);
     let mut selected = Vec::with_capacity(instance.count());
@@ -37,12 +72,9 @@ pub fn greedy(instance: &Instance) -> Result<Vec<usize>, SelectionError> {
     }
     let mut scoreboard = Scoreboard::new(&softened);
     while selected.len() < instance.count() {
-        let i = scoreboard.best_addition(&total, &selected)?;
+        let Some(i) = scoreboard.best_addition(&total, &selected)? else { break };
         instance.add_to(&mut total, i, 1.0);
         selected.push(i);
-    }
-    if instance.log_value(&instance.total(&selected)) == f64::NEG_INFINITY {
-        return Err(instance.unobservable(&selected));
     }
     Ok(selected)
 }
@@ -82,8 +114,8 @@ impl<'a> Scoreboard<'a> {
         self.factor = 1.0;
     }
 
-    /// The open candidate, allowed beside `selected`, that raises log Φ of `total` most.
-    fn best_addition(&mut self, total: &[f64], selected: &[usize]) -> Result<usize, SelectionError> {
+    /// The open candidate, allowed beside `selected`, that raises log Φ of `total` most; `None` if none is allowed.
+    fn best_addition(&mut self, total: &[f64], selected: &[usize]) -> Result<Option<usize>, SelectionError> {
         let instance = self.instance;
         let Some(gradient) = instance.gradient(total) else {
             return Err(instance.least_known(total, selected.len()));
@@ -123,10 +155,10 @@ impl<'a> Scoreboard<'a> {
             usize::MAX if (0..self.bounds.len()).any(|i| self.bounds[i] > f64::NEG_INFINITY && allowed(i)) => {
                 Err(instance.least_known(total, selected.len()))
             }
-            usize::MAX => Err(SelectionError::DeadEnd { selected: selected.len(), count: instance.count() }),
+            usize::MAX => Ok(None),
             i => {
                 self.bounds[i] = f64::NEG_INFINITY;
-                Ok(i)
+                Ok(Some(i))
             }
         }
     }

@@ -10,7 +10,7 @@ use super::curvature::Curvature;
 use super::error::SelectionError;
 use super::function::{Gradient, InformationFunction};
 use crate::information::InformationSet;
-use crate::information::packed::{cholesky, dual, packed_len, unpack, whiten};
+use crate::information::packed::{RESOLUTION, cholesky, dual, packed_len, unpack, whiten};
 
 /// Choose `count` of the candidates so that Φ of their total information is greatest.
 ///
@@ -116,6 +116,17 @@ impl<'a> Instance<'a> {
         softened
     }
 
+    /// The same problem with `weight` average views known beforehand.
+    pub(super) fn with_known_mean(&self, weight: f64) -> Self {
+        let mut known = self.clone();
+        for block in &mut known.blocks {
+            for (prior, mean) in block.prior.iter_mut().zip(block.candidates.mean()) {
+                *prior += weight * mean;
+            }
+        }
+        known
+    }
+
     /// Whether log Φ has derivatives wherever it is finite.
     pub fn is_smooth(&self) -> bool {
         self.blocks.iter().all(|block| block.function.is_smooth())
@@ -188,7 +199,12 @@ impl<'a> Instance<'a> {
         }
     }
 
-    /// log Φ of a total; −∞ if it is singular.
+    /// Whether a selection leaves a combination of the parameters undetermined.
+    pub fn is_singular(&self, selected: &[usize]) -> bool {
+        self.log_value(&self.total(selected)) == f64::NEG_INFINITY
+    }
+
+    /// log Φ of a total; −∞ if it is singular to working precision.
     pub fn log_value(&self, total: &[f64]) -> f64 {
         self.log_value_in_place(&mut total.to_vec())
     }
@@ -249,6 +265,16 @@ impl<'a> Instance<'a> {
         let mut scores = vec![0.0; self.len()];
         for block in &self.blocks {
             block.candidates.add_scores(&y[block.place.clone()], &mut scores);
+        }
+        scores
+    }
+
+    /// Scores of all candidates by each of several matrices Y.
+    pub fn scores_by_each(&self, ys: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let mut scores = vec![vec![0.0; self.len()]; ys.len()];
+        for block in &self.blocks {
+            let ys: Vec<&[f64]> = ys.iter().map(|y| &y[block.place.clone()]).collect();
+            block.candidates.add_scores_by_each(&ys, &mut scores);
         }
         scores
     }
@@ -315,6 +341,46 @@ impl<'a> Instance<'a> {
         everything
     }
 
+    /// Whether a parameter is in nothing that is known or `open`.
+    pub(super) fn leaves_nothing_known(&self, known: &[f64], open: &[usize]) -> bool {
+        let total = self.with_all(known, open);
+        self.diagonal().any(|place| total[place] <= 0.0)
+    }
+
+    /// What is known and as much more of each parameter as rounding hides in the information of all `open`, so that it is
+    /// regular.
+    pub(super) fn resolved(&self, known: &[f64], open: &[usize]) -> Vec<f64> {
+        let total = self.with_all(known, open);
+        let mut resolved = known.to_vec();
+        let share = 4.0 * self.orders().max().unwrap_or(1) as f64 * RESOLUTION;
+        for place in self.diagonal() {
+            resolved[place] += share * total[place];
+        }
+        resolved
+    }
+
+    fn with_all(&self, known: &[f64], open: &[usize]) -> Vec<f64> {
+        let mut total = known.to_vec();
+        for &i in open {
+            self.add_to(&mut total, i, 1.0);
+        }
+        total
+    }
+
+    /// Places of the diagonal entries in a total.
+    fn diagonal(&self) -> impl Iterator<Item = usize> {
+        self.blocks.iter().flat_map(|block| (0..block.order()).map(|j| block.place.start + packed_len(j) + j))
+    }
+
+    /// Whether the ranks of the matrices allow that so many determine all parameters.
+    pub(super) fn can_be_regular(&self) -> bool {
+        self.blocks.iter().all(|block| {
+            let p = block.order();
+            let greatest = (0..self.len()).map(|i| rank(block.candidates.packed(i), p)).max().unwrap_or(0);
+            rank(&block.prior, p) + self.count * greatest >= p
+        })
+    }
+
     /// The error that names the combination of the parameters that a selection knows least.
     pub fn unobservable(&self, selected: &[usize]) -> SelectionError {
         self.least_known(&self.total(selected), selected.len())
@@ -338,6 +404,14 @@ impl<'a> Instance<'a> {
         let least = weakest.min_by(|a, b| a.0.total_cmp(&b.0));
         least.map_or(SelectionError::Count { count, candidates: self.len() }, |(_, error)| error)
     }
+}
+
+/// The rank of a packed positive semidefinite matrix: its eigenvalues that are not rounding once the diagonal is scaled to one.
+fn rank(packed: &[f64], p: usize) -> usize {
+    let M = unpack(packed, p);
+    let scale = M.diagonal().map(|m| if m > 0.0 { m.sqrt().recip() } else { 0.0 });
+    let scaled = DMatrix::from_fn(p, p, |i, j| M[(i, j)] * scale[i] * scale[j]);
+    scaled.symmetric_eigenvalues().iter().filter(|&&λ| λ > RESOLUTION).count()
 }
 
 fn checked_prior(term: &Term) -> Result<Vec<f64>, SelectionError> {

@@ -11,11 +11,14 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
-use super::best::{Best, first_allowed};
+use super::best::{Best, best, first_allowed};
+use super::error::SelectionError;
 use super::exchange::exchange;
 use super::function::Gradient;
+use super::greedy;
 use super::instance::Instance;
 use super::node::{Ladder, Relaxed, greatest};
+use super::relaxation::{Relaxation, RelaxationSettings, relax};
 
 /// Nodes worked on at a time.
 const BATCH: usize = 32;
@@ -28,8 +31,6 @@ const SAME: f64 = 1e-9;
 pub enum SearchEnd {
     /// The selection is proven to be the best.
     Optimal,
-    /// Some part of the search space could not be bounded, for its relaxation is singular.
-    Undecided,
     /// The node limit was reached.
     NodeLimit,
     /// The observer stopped the search.
@@ -100,6 +101,35 @@ impl Ord for Node {
     }
 }
 
+/// The start of a search: [`best`]; where all that it tries is singular, a selection of log Φ = −∞ and the relaxation from more
+/// candidates.
+///
+/// # Errors
+/// When no allowed set was found, or no set of so many can determine all parameters.
+pub fn start_of_search(instance: &Instance, settings: &RelaxationSettings, seed: u64) -> Result<Best, SelectionError> {
+    match best(instance, settings, seed) {
+        Err(error @ SelectionError::Unobservable { .. }) if instance.can_be_regular() => {
+            let selected = exchange(instance, greedy::start(instance)?);
+            let relaxation = relaxed_from_many(instance, settings).ok_or(error)?;
+            Ok(Best { selected, log_value: f64::NEG_INFINITY, relaxation })
+        }
+        result => result,
+    }
+}
+
+/// The relaxation from equal weights on evenly spaced candidates, as many as determine all parameters.
+fn relaxed_from_many(instance: &Instance, settings: &RelaxationSettings) -> Option<Relaxation> {
+    let mut many = instance.count();
+    loop {
+        many = (2 * many).min(instance.len());
+        let spaced: Vec<usize> = (0..many).map(|c| c * instance.len() / many).collect();
+        let relaxation = relax(instance, &spaced, settings);
+        if relaxation.is_some() || many == instance.len() {
+            return relaxation;
+        }
+    }
+}
+
 /// Searches for the best selection, starting from `start`, until it is proven, `node_limit` nodes are worked on, or
 /// `observe` breaks. Selections whose log Φ is below `least_wanted` are of no interest and count as impossible.
 pub fn search(
@@ -117,19 +147,14 @@ pub fn search(
     let root = root(instance, start, threshold(&incumbent));
     let open_at_root = root.open.len();
     let mut heap = BinaryHeap::from([root]);
-    // Parts that a node could not bound any better, because there was nothing left to branch on.
-    let mut settled = f64::NEG_INFINITY;
     let end = loop {
         while heap.peek().is_some_and(|node| node.log_bound <= threshold(&incumbent)) {
             heap.pop();
         }
-        let log_bound = heap.peek().map_or(incumbent.0, |node| node.log_bound).max(incumbent.0).max(settled);
+        let log_bound = heap.peek().map_or(incumbent.0, |node| node.log_bound).max(incumbent.0);
         let progress = SearchProgress { nodes, open: heap.len(), log_value: incumbent.0, log_bound };
-        if heap.is_empty() && settled <= threshold(&incumbent) {
-            break SearchEnd::Optimal;
-        }
         if heap.is_empty() {
-            break SearchEnd::Undecided;
+            break SearchEnd::Optimal;
         }
         if nodes >= node_limit {
             break SearchEnd::NodeLimit;
@@ -145,7 +170,6 @@ pub fn search(
             if let Some(found) = outcome.found.filter(|found| found.0 > incumbent.0) {
                 incumbent = found;
             }
-            settled = settled.max(outcome.settled);
             for mut child in outcome.children {
                 made += 1;
                 child.number = made;
@@ -156,7 +180,7 @@ pub fn search(
     let open_bound = heap.peek().map_or(f64::NEG_INFINITY, |node| node.log_bound);
     let (log_value, selected) = incumbent;
     // Everything pruned is at most as good as the threshold it was pruned by.
-    let log_bound = open_bound.max(settled).max(log_value.max(least_wanted) + SAME);
+    let log_bound = open_bound.max(log_value.max(least_wanted) + SAME);
     let root_bound = start.relaxation.certificate.log_bound;
     Search { selected, log_value, log_bound: log_bound.min(root_bound), nodes, open_at_root, end }
 }
@@ -166,8 +190,6 @@ struct Outcome {
     children: Vec<Node>,
     /// The best selection seen there.
     found: Option<(f64, Vec<usize>)>,
-    /// Bound of what is neither pruned nor handed on.
-    settled: f64,
 }
 
 impl Outcome {
@@ -207,7 +229,7 @@ fn root(instance: &Instance, start: &Best, threshold: f64) -> Node {
 /// Bounds a node, fixes what its scores allow, and branches on the rest.
 fn work(ladder: &Ladder, node: Node, threshold: f64) -> Outcome {
     let instance = ladder.instance;
-    let mut outcome = Outcome { children: vec![], found: None, settled: f64::NEG_INFINITY };
+    let mut outcome = Outcome { children: vec![], found: None };
     let mut included = node.included;
     let mut open = node.open;
     let mut weights = node.weights;
@@ -224,18 +246,18 @@ fn work(ladder: &Ladder, node: Node, threshold: f64) -> Outcome {
             return outcome;
         }
         let known = instance.total(&included);
-        let Some(relaxed) =
-            ladder.relax(&known, &open, free, weights, threshold, 1e-3 * (log_bound - threshold).max(SAME))
-        else {
-            // Singular: nothing is known of it but its parent's bound.
-            outcome.settled = log_bound;
+        let tolerance = 1e-3 * (log_bound - threshold).max(SAME);
+        let relaxed = match ladder.relax(&known, &open, free, weights, threshold, tolerance) {
+            Some(relaxed) => Some(relaxed),
+            None if instance.leaves_nothing_known(&known, &open) => return outcome,
+            None => relaxed_from_afar(ladder, &known, &open, free, threshold, tolerance),
+        };
+        // Its gradients may bound nothing, and then its scores fix nothing.
+        let Some(relaxed) = relaxed.filter(|relaxed| relaxed.log_bound.is_finite()) else {
+            let alike = (vec![free as f64 / open.len() as f64; open.len()], vec![0.0; open.len()]);
+            outcome.children = branch(instance, included, &open, &alike.0, &alike.1, log_bound);
             return outcome;
         };
-        if !relaxed.log_bound.is_finite() {
-            // Its gradients bound nothing, and its scores fix nothing.
-            outcome.settled = log_bound;
-            return outcome;
-        }
         log_bound = log_bound.min(relaxed.log_bound);
         if log_bound <= threshold {
             return outcome;
@@ -255,6 +277,20 @@ fn work(ladder: &Ladder, node: Node, threshold: f64) -> Outcome {
         outcome.children = branch(instance, included, &open, &weights, &fixed.scores, log_bound);
         return outcome;
     }
+}
+
+/// The relaxation from equal weights; where these are singular too, with a little known beside, which bounds Φ for the more.
+fn relaxed_from_afar(
+    ladder: &Ladder,
+    known: &[f64],
+    open: &[usize],
+    free: usize,
+    threshold: f64,
+    tolerance: f64,
+) -> Option<Relaxed> {
+    let equal = vec![free as f64 / open.len() as f64; open.len()];
+    let from = |known: &[f64]| ladder.relax(known, open, free, equal.clone(), threshold, tolerance);
+    from(known).or_else(|| from(&ladder.instance.resolved(known, open)))
 }
 
 /// Two children: with and without the candidate that is least decided.
