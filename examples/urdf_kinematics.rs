@@ -48,7 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
     let urdf = arguments.next().ok_or("name a URDF file")?;
     let folders: Vec<PathBuf> = arguments.map(PathBuf::from).collect();
-    let mechanism = read_urdf_file(Path::new(&urdf), &folders)?;
+    let mechanism = read_urdf_file(Path::new(&urdf), &folders)?.mechanism;
     let request: Request = serde_json::from_reader(stdin().lock())?;
     let place = |name: &String| mechanism.joint(name).ok_or_else(|| format!("{urdf} has no free joint {name}"));
     let places = request.joints.iter().map(place).collect::<Result<Vec<_>, _>>()?;

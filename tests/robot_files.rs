@@ -5,7 +5,7 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
-use calipose::formats::{read_srdf, read_urdf};
+use calipose::formats::{Description, read_srdf, read_urdf};
 use calipose::problem::Problem;
 use calipose::robot::{JointKind, Motion, Shape, Stage};
 use calipose::spatial::Pose;
@@ -89,15 +89,18 @@ const WRONG: &[(&str, &str, &str)] = &[
     ("no parent", "<parent link=\"column\"/>", ""),
     ("no type", "<joint name=\"slide\" type=\"prismatic\"", "<joint name=\"slide\""),
     ("floating", "type=\"continuous\"", "type=\"floating\""),
-    ("no limits", "<limit lower=\"0.1\" upper=\"0.5\" effort=\"10\" velocity=\"0\"/>", ""),
     ("limits reversed", "lower=\"-2\"", "lower=\"3\""),
+    (
+        "soft limits beside the limits",
+        "upper=\"2\" effort=\"10\" velocity=\"1.5\"/>",
+        "upper=\"2\"/><safety_controller soft_lower_limit=\"3\" soft_upper_limit=\"4\"/>",
+    ),
     ("negative velocity", "velocity=\"1.5\"", "velocity=\"-1.5\""),
     ("not a number", "lower=\"-2\"", "lower=\"NaN\""),
     ("infinite", "xyz=\"0 0 0.3\"", "xyz=\"0 0 inf\""),
     ("two of three numbers", "xyz=\"0 0 0.3\"", "xyz=\"0 0\""),
     ("a word for a number", "value=\"2.5\"", "value=\"heavy\""),
     ("zero axis", "xyz=\"0.6 0 0.8\"", "xyz=\"0 0 0\""),
-    ("non-unit axis", "xyz=\"0.6 0 0.8\"", "xyz=\"3 0 4\""),
     ("mimic of an unknown joint", "mimic joint=\"slide\"", "mimic joint=\"slid\""),
     ("mimic of itself", "mimic joint=\"slide\"", "mimic joint=\"finger\""),
     (
@@ -108,13 +111,10 @@ const WRONG: &[(&str, &str, &str)] = &[
     ("mimic of a fixed joint", "<joint name=\"slide\" type=\"prismatic\">", "<joint name=\"slide\" type=\"fixed\">"),
     ("negative mass", "value=\"2.5\"", "value=\"-2.5\""),
     ("inertial without a mass", "<mass value=\"10\"/>", ""),
-    ("box without thickness", "0.2 0.4 0.6", "0.2 0.4 0"),
     ("negative radius", "radius=\"0.01\"", "radius=\"-0.01\""),
     ("no length", "radius=\"0.1\" length=\"0.05\"", "radius=\"0.1\""),
     ("unknown shape", "<sphere radius=\"0.01\"/>", "<cone radius=\"0.01\"/>"),
-    ("no shape", "<sphere radius=\"0.01\"/>", ""),
     ("two shapes", "<sphere radius=\"0.01\"/>", "<sphere radius=\"0.01\"/><sphere radius=\"0.02\"/>"),
-    ("no geometry", "<geometry><sphere radius=\"0.01\"/></geometry>", ""),
     ("zero scale", "scale=\"2 2 -2\"", "scale=\"2 0 2\""),
     ("missing mesh", "\"column.stl\"", "\"package://arm/none.stl\""),
     ("mesh outside the folders", "\"column.stl\"", "\"../outside.stl\""),
@@ -141,7 +141,8 @@ fn folder(urdf: &str) -> tempfile::TempDir {
 #[test]
 fn a_description_means_what_it_says() {
     let folder = folder(RIGHT);
-    let mechanism = read_urdf(RIGHT, &folder.path().join("robot"), &[]).unwrap();
+    let Description { mechanism, stuck, notes, .. } = read_urdf(RIGHT, &folder.path().join("robot"), &[]).unwrap();
+    assert!(stuck.is_empty() && notes.is_empty());
     let names: Vec<&str> = mechanism.joints.iter().map(|joint| joint.name.as_str()).collect();
     assert_eq!(names, ["turn", "slide", "wheel_joint"]);
     assert_eq!(mechanism.followers, ["finger"]);
@@ -183,7 +184,11 @@ fn every_mistake_is_named_with_its_line_and_element() {
         assert_eq!(RIGHT.matches(right).count(), 1, "{name}");
         let text = RIGHT.replace(right, wrong);
         let folder = folder(&text);
-        let error = read_urdf(&text, &folder.path().join("robot"), &[]).expect_err(name);
+        // What is wrong with the motion of a single joint matters only where that joint is on the arm.
+        let error = match read_urdf(&text, &folder.path().join("robot"), &[]) {
+            Ok(description) => description.stuck.first().expect(name).1.clone(),
+            Err(error) => error,
+        };
         messages.push(format!("{name}: {}", error.to_string().replace(&*folder.path().to_string_lossy(), "FOLDER")));
     }
     insta::assert_snapshot!(messages.join("\n"));
@@ -200,14 +205,21 @@ fn descriptions_cut_short_give_an_answer() {
 #[test]
 fn pairs_that_are_never_tested() {
     let folder = folder(RIGHT);
-    let tree = read_urdf(RIGHT, &folder.path().join("robot"), &[]).unwrap().tree;
+    let tree = read_urdf(RIGHT, &folder.path().join("robot"), &[]).unwrap().mechanism.tree;
     let srdf = |pairs: &str| format!("<robot name=\"arm\">\n<group name=\"g\"/>\n{pairs}</robot>");
     let text = srdf(
         "<disable_collisions link1=\"tool\" link2=\"base\" reason=\"Never\"/>\n\
          <disable_collisions link1=\"base\" link2=\"column\" reason=\"Adjacent\"/>\n\
          <disable_collisions link1=\"base\" link2=\"tool\"/>\n",
     );
-    assert_eq!(read_srdf(&text, &tree), Ok(vec![[0, 1], [0, 2]]));
+    assert_eq!(read_srdf(&text, &tree), Ok((vec![[0, 1], [0, 2]], vec![])));
+    // Links that this robot does not have, and one pair that it has.
+    let strangers = "<disable_collisions link1=\"grip\" link2=\"base\"/>\n<disable_collisions link1=\"tool\" link2=\"grip\"/>\n\
+                     <disable_collisions link1=\"base\" link2=\"tool\"/>\n";
+    let (pairs, notes) = read_srdf(&srdf(strangers), &tree).unwrap();
+    assert_eq!(pairs, [[0, 2]]);
+    let notes: Vec<String> = notes.iter().map(ToString::to_string).collect();
+    assert_eq!(notes, ["line 3: there is no link \"grip\"; its pairs are left out"]);
     let fail = |pairs: &str| read_srdf(&srdf(pairs), &tree).unwrap_err().to_string();
     insta::assert_snapshot!(
         [fail("<disable_collisions link1=\"tol\" link2=\"base\"/>"), fail("\n<disable_collisions link1=\"tool\"/>")].join("\n"),
@@ -220,7 +232,12 @@ fn pairs_that_are_never_tested() {
 
 /// A problem whose robot section and target link are these, or how its faults are drawn.
 fn problem(robot: &str, target: &str) -> Result<Problem, String> {
-    let folder = folder(RIGHT);
+    problem_of(RIGHT, robot, target)
+}
+
+/// The same with the description `urdf`.
+fn problem_of(urdf: &str, robot: &str, target: &str) -> Result<Problem, String> {
+    let folder = folder(urdf);
     std::fs::write(
         folder.path().join("robot/other.srdf"),
         "<robot name='x'><disable_collisions link1='a' link2='b'/></robot>",
@@ -320,6 +337,145 @@ fn sweeps_find_the_same_whatever_drives_what() {
         assert_eq!(found.candidates, expected);
         assert!(expected.len() > 100 && expected.len() < problem.space.len() / 2, "{}", expected.len());
     }
+}
+
+/// `RIGHT` with each first text, which must occur once, replaced by the second.
+fn changed(changes: &[(&str, &str)]) -> String {
+    let change = |text: String, (right, other): &(&str, &str)| {
+        assert_eq!(text.matches(right).count(), 1, "{right}");
+        text.replace(right, other)
+    };
+    changes.iter().fold(RIGHT.to_owned(), change)
+}
+
+fn notes(problem: &Problem) -> String {
+    problem.notes.iter().map(|note| format!("{}: {}\n", note.key, note.text)).collect()
+}
+
+#[test]
+fn what_is_put_right_or_left_out_is_noted() {
+    let urdf = changed(&[
+        ("xyz=\"0.6 0 0.8\"", "xyz=\"3 0 4\""),
+        ("<sphere radius=\"0.01\"/>", "<sphere radius=\"0\"/>"),
+        ("<geometry><box size=\"0.2 0.4 0.6\"/></geometry>", ""),
+        ("<geometry><cylinder radius=\"0.1\" length=\"0.05\"/></geometry>", "<geometry/>"),
+        ("type=\"continuous\"", "type=\"floating\""),
+        ("mimic joint=\"slide\"", "mimic joint=\"nobody\""),
+    ]);
+    let problem = problem_of(&urdf, &format!("{URDF}camera_link = \"tool\""), "").unwrap();
+    let tree = &problem.robot.tree;
+    let bodied: Vec<&str> =
+        tree.links.iter().filter(|link| !link.bodies.is_empty()).map(|link| link.name.as_str()).collect();
+    assert_eq!(bodied, ["column", "tool", "board"]);
+    let X_BC = problem.robot.camera_pose(&[0.0, 0.5]);
+    assert!((X_BC.translation.vector - Vector3::new(0.0, 0.3, 0.3 + 0.4)).norm() < 1e-15);
+    insta::assert_snapshot!(notes(&problem), @r#"
+    robot.urdf: line 5, link "base": the <collision> has no shape; left out
+    robot.urdf: line 21, joint "slide": the axis has length 5; taken with length 1
+    robot.urdf: line 34, link "fingertip": the <sphere> has no extent; left out
+    robot.urdf: line 42, link "wheel": the <collision> has no shape; left out
+    robot.urdf: line 31, joint "finger": it mimics joint "nobody", which does not exist. It is off the arm and stands as at 0
+    robot.urdf: line 36, joint "wheel_joint": the type is "floating", which is not supported; supported: revolute, continuous, prismatic, fixed. Make the joint fixed, or leave out what is above it. It is off the arm and stands as at 0
+    "#);
+    // Plates and rods are no empty shapes: others can touch them.
+    let flat = changed(&[("0.2 0.4 0.6", "0.2 0.4 0"), ("<cylinder radius=\"0.1\"", "<cylinder radius=\"0\"")]);
+    let flat = problem_of(&flat, &format!("{URDF}camera_link = \"tool\""), "").unwrap();
+    assert!(flat.notes.is_empty() && flat.robot.tree.links.iter().all(|link| !link.bodies.is_empty()));
+}
+
+const NO_LIMITS: (&str, &str) = ("<limit lower=\"0.1\" upper=\"0.5\" effort=\"10\" velocity=\"0\"/>", "");
+const ZERO_LIMITS: (&str, &str) = ("lower=\"-2\" upper=\"2\"", "lower=\"0\" upper=\"0\"");
+const SOFT_LIMITS: (&str, &str) = (
+    "velocity=\"1.5\"/>",
+    "velocity=\"1.5\"/><safety_controller soft_lower_limit=\"-1\" soft_upper_limit=\"3\" k_position=\"100\" k_velocity=\"10\"/>",
+);
+
+#[test]
+fn limits_that_the_description_leaves_open_are_the_problem_files() {
+    let urdf = changed(&[NO_LIMITS, ZERO_LIMITS]);
+    let limits = "limits_deg = { turn = [-60, 60] }\nlimits_mm = { slide = [0, 300] }";
+    let robot = |keys: &str| problem_of(&urdf, &format!("{URDF}camera_link = \"tool\"\n{keys}"), "");
+    let given = robot(limits).unwrap();
+    let ranges: Vec<_> = given.robot.chain.joints.iter().map(|joint| (joint.limits.min, joint.limits.max)).collect();
+    assert_eq!(ranges, [(-60f64.to_radians(), 60f64.to_radians()), (0.0, 0.3)]);
+    // A held joint needs no limits, nor does one off the arm.
+    assert!(robot("limits_deg = { turn = [-60, 60] }\njoint_values_mm = { slide = 150 }").is_ok());
+    assert!(problem_of(&changed(&[NO_LIMITS]), &format!("{URDF}camera_link = \"column\""), "").is_ok());
+    insta::assert_snapshot!(robot("").unwrap_err());
+}
+
+#[test]
+fn soft_limits_hold_where_they_are_tighter() {
+    let urdf = changed(&[SOFT_LIMITS]);
+    let robot = |keys: &str| problem_of(&urdf, &format!("{URDF}camera_link = \"tool\"\n{keys}"), "");
+    let softened = robot("").unwrap();
+    let limits = softened.robot.chain.joints[0].limits;
+    assert_eq!((limits.min, limits.max), (-1.0, 2.0));
+    assert_eq!(
+        notes(&softened),
+        "robot.urdf: joint \"turn\" moves from -57.296° to 114.592°, as its safety controller lets it, tighter than its \
+         limits from -114.592° to 114.592°\n"
+    );
+    // Rounded to a thousandth as they are told, they are the URDF's own.
+    let same = robot("limits_deg = { turn = [-57.296, 114.592] }").unwrap();
+    assert_eq!((same.robot.chain.joints[0].limits, same.notes.len()), (limits, 0));
+    let meant = robot("limits_deg = { turn = [-100, 90] }\nexceed_urdf_limits = [\"turn\"]").unwrap();
+    assert_eq!(meant.robot.chain.joints[0].limits.min, -100f64.to_radians());
+    assert_eq!(
+        notes(&meant),
+        "robot.limits_deg.turn: goes beyond the URDF's range from -57.296 to 114.592, as is said to be meant\n"
+    );
+    let off_the_arm = problem_of(&urdf, &format!("{URDF}camera_link = \"wheel\""), "").unwrap();
+    assert!(off_the_arm.notes.is_empty());
+    let refused = [
+        robot("limits_deg = { turn = [-100, 90] }"),
+        robot("limits_mm = { slide = [0, 400] }\nexceed_urdf_limits = [\"turn\", \"slid\"]"),
+        robot("joint_values_deg = { turn = -100 }"),
+    ];
+    insta::assert_snapshot!(refused.map(Result::unwrap_err).join("\n"));
+}
+
+#[test]
+fn mistakes_on_the_arm_are_told_as_what_they_are() {
+    let cases: [&[(&str, &str)]; 4] = [
+        &[("mimic joint=\"slide\"", "mimic joint=\"nobody\"")],
+        &[("xyz=\"0.6 0 0.8\"", "xyz=\"0 0 0\"")],
+        &[("<robot name=\"arm\">", "<robot name='arm'><link name='base'/>")],
+        &[("</robot>", "</robo>")],
+    ];
+    let drawings =
+        cases.map(|changes| problem_of(&changed(changes), &format!("{URDF}camera_link = \"fingertip\""), ""));
+    insta::assert_snapshot!(drawings.map(Result::unwrap_err).join("\n"));
+}
+
+/// Files made to take for ever, in time that a test has.
+#[test]
+fn endless_descriptions_are_refused() {
+    let attributes: String = (0..100_000).map(|i| format!(" a{i}=\"\"")).collect();
+    let links: String = (0..1001).map(|i| format!("<link name=\"l{i}\"/>")).collect();
+    // Ten instances of a node of ten instances of a node …: 10^11 triangles.
+    let mut nodes = String::from("<node id=\"n0\"><instance_geometry url=\"#g\"/></node>");
+    for level in 1..=11 {
+        let instances = format!("<instance_node url=\"#n{}\"/>", level - 1).repeat(10);
+        nodes += &format!("<node id=\"n{level}\">{instances}</node>");
+    }
+    let dae = format!(
+        "<COLLADA><library_geometries><geometry id='g'><mesh/></geometry></library_geometries><library_nodes>{nodes}</library_nodes>\
+         <library_visual_scenes><visual_scene id='s'><instance_node url='#n11'/></visual_scene></library_visual_scenes></COLLADA>"
+    );
+    let dae_folder = folder(RIGHT);
+    std::fs::write(dae_folder.path().join("robot/endless.dae"), dae).unwrap();
+    let with_dae = RIGHT.replace("column.stl", "endless.dae");
+    let errors = [
+        read_urdf(&format!("<robot>\n<link name=\"a\"{attributes}/></robot>"), Path::new("."), &[]).unwrap_err(),
+        read_urdf(&format!("<robot>{links}</robot>"), Path::new("."), &[]).unwrap_err(),
+        read_urdf(&with_dae, &dae_folder.path().join("robot"), &[]).unwrap_err(),
+    ];
+    insta::assert_snapshot!(errors.map(|error| error.to_string()).join("\n"), @r#"
+    line 2: this cannot be read as XML: an element has more than 1000 attributes
+    line 1: there are 1001 <link> elements; at most 1000 are read
+    line 16, link "column": mesh "endless.dae": line 1: the scene's instances come to more than 10000000 elements
+    "#);
 }
 
 #[test]

@@ -41,7 +41,7 @@ fn kinematics_and_centres_of_mass_equal_pinocchios() {
     let golden: Golden = serde_json::from_str(&text).unwrap();
     assert_eq!(golden.robots.len(), 2);
     for robot in golden.robots {
-        let mechanism = read_urdf_file(&Path::new("problems/urdf").join(&robot.urdf), &[]).unwrap();
+        let mechanism = read_urdf_file(&Path::new("problems/urdf").join(&robot.urdf), &[]).unwrap().mechanism;
         let names: Vec<&str> = mechanism.joints.iter().map(|joint| joint.name.as_str()).collect();
         assert_eq!(names, robot.joints);
         assert!(robot.cases.len() >= 40);

@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use super::{
-    Detections, ReadError, Stated, StatedCamera, UrdfError, read_camera, read_detections, read_srdf, read_urdf,
+    Description, Detections, ReadError, Stated, StatedCamera, UrdfError, UrdfNote, outline_urdf, read_camera, read_detections,
+    read_srdf, read_urdf,
 };
 use crate::camera::Camera;
-use crate::robot::{Mechanism, Tree};
+use crate::robot::Tree;
 
 /// Larger files are of something else: 1000 images of 10 000 corners stay below.
 const LARGEST: u64 = 1_000_000_000;
@@ -63,15 +64,23 @@ pub fn read_detections_file(path: &Path, stated: &Stated) -> Result<Detections, 
 ///
 /// # Errors
 /// When the file cannot be read or describes no robot.
-pub fn read_urdf_file(path: &Path, package_folders: &[PathBuf]) -> Result<Mechanism, FileReadError> {
+pub fn read_urdf_file(path: &Path, package_folders: &[PathBuf]) -> Result<Description, FileReadError> {
     Ok(read_urdf(&text(path)?, path.parent().unwrap_or(Path::new("")), package_folders)?)
+}
+
+/// The robot of the URDF file at `path` without its bodies, and its meshes' names; see [`outline_urdf`].
+///
+/// # Errors
+/// When the file cannot be read or describes no robot.
+pub fn outline_urdf_file(path: &Path) -> Result<(Description, Vec<String>), FileReadError> {
+    Ok(outline_urdf(&text(path)?)?)
 }
 
 /// The pairs of links of `tree` that the SRDF file at `path` names; see [`read_srdf`].
 ///
 /// # Errors
 /// When the file cannot be read or is of another robot.
-pub fn read_srdf_file(path: &Path, tree: &Tree) -> Result<Vec<[usize; 2]>, FileReadError> {
+pub fn read_srdf_file(path: &Path, tree: &Tree) -> Result<(Vec<[usize; 2]>, Vec<UrdfNote>), FileReadError> {
     Ok(read_srdf(&text(path)?, tree)?)
 }
 

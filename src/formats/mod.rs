@@ -33,10 +33,15 @@ mod tree;
 mod unsupported;
 mod urdf;
 mod vnl;
+mod xml;
 
 pub use camera::{CameraFormat, StatedCamera, WriteError, read_camera};
 pub use detections::{Detections, Stated, read_detections};
 pub use error::{ReadError, ReadFault};
-pub use file::{FileReadError, read_camera_file, read_detections_file, read_srdf_file, read_urdf_file};
+pub use file::{
+    FileReadError, outline_urdf_file, read_camera_file, read_detections_file, read_srdf_file, read_urdf_file,
+};
 pub use mesh::{MeshError, read_mesh};
-pub use urdf::{UrdfError, UrdfFault, read_srdf, read_urdf};
+pub use urdf::{
+    Description, StatedRange, UrdfError, UrdfFault, UrdfNote, UrdfRemark, outline_urdf, read_srdf, read_urdf,
+};

@@ -167,6 +167,22 @@ pub enum Reason {
         /// Why not.
         error: FileReadError,
     },
+    /// The range goes beyond that of the robot's description.
+    BeyondUrdf {
+        /// The joint.
+        joint: String,
+        /// The range.
+        range: [f64; 2],
+        /// The description's.
+        bounds: [f64; 2],
+        /// Whether a safety controller sets these bounds.
+        soft: bool,
+    },
+    /// The robot's description does not say how far joints of the arm may move.
+    NoLimits {
+        /// The joints, at least one.
+        joints: Vec<String>,
+    },
     /// No joint moves the camera against the board.
     NothingMoves {
         /// Link that carries the camera.
@@ -286,6 +302,15 @@ impl Fault {
             Reason::Support { error } => error.to_string(),
             Reason::NoMasses => format!("`{key}` needs masses, and no link has one"),
             Reason::NoFolder { name } => format!("`{key}` is \"{name}\", which is no folder"),
+            Reason::BeyondUrdf { range: [min, max], soft, .. } => {
+                let what = if *soft { "the soft limits of the URDF's safety controller" } else { "the URDF's limits" };
+                format!("`{key}` runs from {} to {}, beyond {what}", Number(*min), Number(*max))
+            }
+            Reason::NoLimits { joints } => {
+                let names = joints.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
+                let (joint, it) = if joints.len() == 1 { ("joint", "it") } else { ("joints", "they") };
+                format!("the URDF gives {joint} {names} no limits, or from 0 to 0, so that {it} cannot move")
+            }
             Reason::NothingMoves { camera_link, board_link } => {
                 format!("no joint moves link \"{camera_link}\" against link \"{board_link}\"")
             }
@@ -327,7 +352,14 @@ impl Fault {
             Reason::Ambiguous { .. } => "must name one link".into(),
             Reason::Support { .. } => "must span an area".into(),
             Reason::NoMasses => "cannot be tested".into(),
+            Reason::RobotFile { error: FileReadError::Robot(error), .. } if !error.is_of_another_file() => {
+                format!("names a file with an error in line {}", error.line)
+            }
             Reason::RobotFile { .. } => "must name a file that describes the robot".into(),
+            Reason::BeyondUrdf { bounds: [min, max], .. } => {
+                format!("must be within {} and {}", Number(*min), Number(*max))
+            }
+            Reason::NoLimits { .. } => "needs their ranges".into(),
             Reason::NoFolder { .. } => "must be an existing folder".into(),
             Reason::NothingMoves { .. } => "must be moved by a joint".into(),
             Reason::TooManyConfigurations { most, .. } => format!("must make at most {}", Number(*most as f64)),
@@ -349,6 +381,20 @@ impl Fault {
             }
             Reason::NoArm => {
                 "write the arm's Denavit–Hartenberg table as `[[robot.joints]]`, or name its URDF file".into()
+            }
+            Reason::RobotFile { path, error: FileReadError::Robot(error) } if !error.is_of_another_file() => {
+                format!("correct it there, in line {} of {}", error.line, path.display())
+            }
+            Reason::BeyondUrdf { joint, .. } => format!(
+                "where the robot really goes farther than its description says, add \"{joint}\" to `robot.exceed_urdf_limits`"
+            ),
+            Reason::NoLimits { joints } => {
+                let ranges = joints.iter().map(|name| format!("{name} = [min, max]")).collect::<Vec<_>>().join(", ");
+                let unit = if last_key == "limits_mm" { "mm" } else { "deg" };
+                format!(
+                    "give the ranges from the robot's manual, `limits_{unit} = {{ {ranges} }}`, or hold joints with \
+                     `joint_values_{unit}`"
+                )
             }
             Reason::NothingMoves { .. } => {
                 "`camera_link` carries the camera, `target.link` the board; joints with a value \

@@ -10,6 +10,7 @@ mod error;
 mod fault;
 mod json_schema;
 mod named;
+mod note;
 mod resolve;
 mod schema;
 mod shape;
@@ -19,6 +20,7 @@ mod syntax;
 pub use error::ProblemError;
 pub use fault::{Allowed, Fault, Reason};
 pub use json_schema::schema_json;
+pub use note::Note;
 pub use step::StepError;
 
 use std::path::{Path, PathBuf};
@@ -77,6 +79,8 @@ pub struct Problem {
     pub constraints: PoseConstraints,
     /// Folder for the plan, relative to the working directory.
     pub output: PathBuf,
+    /// What was read otherwise than it stands in the files, put right or left out.
+    pub notes: Vec<Note>,
 }
 
 /// How candidates are refined around the poses that selection picks.

@@ -102,13 +102,16 @@ pub(super) struct Robot {
     /// Values in mm at which prismatic joints of the URDF are held, by the joints' names.
     #[serde(default)]
     pub(super) joint_values_mm: BTreeMap<String, f64>,
-    /// Ranges [min, max] in degrees of revolute joints, by the joints' names, in place of those in the URDF. A continuous joint
-    /// has [-180, 180] when left out.
+    /// Ranges [min, max] in degrees of revolute joints, by the joints' names, within those of the URDF or in place of limits that
+    /// it does not state. A continuous joint has [-180, 180] when left out.
     #[serde(default)]
     pub(super) limits_deg: BTreeMap<String, Range>,
-    /// Ranges [min, max] in mm of prismatic joints, by the joints' names, in place of those in the URDF.
+    /// Ranges [min, max] in mm of prismatic joints, by the joints' names, likewise.
     #[serde(default)]
     pub(super) limits_mm: BTreeMap<String, Range>,
+    /// Joints whose ranges in `limits_deg` and `limits_mm` are meant to go beyond those that the URDF states.
+    #[serde(default)]
+    pub(super) exceed_urdf_limits: Vec<String>,
 }
 
 /// One row of the table.

@@ -50,6 +50,14 @@ impl Mechanism {
         self.joints.iter().position(|joint| joint.name == name)
     }
 
+    /// The links whose joints are on the way between two links.
+    pub fn between(&self, from: usize, to: usize) -> Vec<usize> {
+        let passed = |step| match step {
+            Step::Up(link) | Step::Down(link) => link,
+        };
+        self.way(from, to).into_iter().map(passed).collect()
+    }
+
     /// The robot whose joints move the camera against the board; the others are held. Without such joints the chain is empty.
     ///
     /// The chain runs from the board's link to the camera's; a joint that it passes from child to parent moves the other way.

@@ -1,5 +1,6 @@
 //! `calipose check`.
 
+mod notes;
 mod sight;
 mod tested;
 
@@ -15,6 +16,7 @@ use crate::plan::CollisionDocument;
 use crate::problem::Problem;
 use crate::sweep::{AxisRule, JointSpace};
 use crate::target::AxisCase;
+use notes::{notes, notes_text};
 use sight::{sight, sight_text};
 use tested::{center_of_mass, self_collision, tests_text};
 
@@ -78,14 +80,16 @@ pub(super) fn run(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
             "collision": CollisionDocument::new(&problem, checks.collision().links()),
             "self_collision": self_collision(&problem, &checks),
             "mass_kg": center_of_mass(&problem).map(|center| center.mass),
+            "notes": notes(&problem),
         })
         .to_string(),
     )?;
     screen.text(&format!(
-        "{}: valid.\n{} joints, {space_text}.\n{}\n{}About {} of them {} (from {} tried).\n`calipose plan` would \
+        "{}: valid.\n{}{} joints, {space_text}.\n{}\n{}About {} of them {} (from {} tried).\n`calipose plan` would \
          choose {} poses by `{}` for criterion `{}`, estimating {}, and write to {}.\nIt would take about {} s and {} MB on \
          this machine.",
         problem.name,
+        notes_text(&problem),
         robot.chain.dof(),
         sight_text(&problem),
         tests_text(&problem, &checks),

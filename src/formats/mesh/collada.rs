@@ -3,14 +3,20 @@
 //! The up axis of the asset is not applied: ROS's tools do not either, and descriptions are written for them.
 
 use std::collections::HashMap;
+use std::rc::Rc;
 
 use nalgebra::{Matrix4, Point3, Rotation3, Translation3, Unit, Vector3};
-use roxmltree::{Document, Node};
+use roxmltree::{Node, NodeId};
 
 use super::{MeshError, text};
+use crate::formats::xml;
 
 /// Deepest nesting of nodes, which instances of nodes could make endless.
 const DEEPEST: usize = 64;
+
+/// Most elements and corners of faces that a scene may come to: instances of instances multiply.
+const MOST_ELEMENTS: usize = 10_000_000;
+const MOST_CORNERS: usize = 20_000_000;
 
 /// Elements whose vertices make faces.
 const FACES: [&str; 5] = ["triangles", "polylist", "polygons", "trifans", "tristrips"];
@@ -18,18 +24,14 @@ const FACES: [&str; 5] = ["triangles", "polylist", "polygons", "trifans", "trist
 /// The positions of every geometry in the scene, in m; of every geometry as it stands, without a scene.
 pub(super) fn vertices(bytes: &[u8]) -> Result<Vec<Point3<f64>>, MeshError> {
     let text = text(bytes);
-    let document = Document::parse(&text).map_err(|error| {
-        let message = error.to_string();
-        // The place at its end is told apart.
-        MeshError::at(error.pos().row as usize, message.rsplit_once(" at ").map_or(&*message, |(what, _)| what))
-    })?;
+    let document = xml::parse(&text).map_err(|error| MeshError::at(error.line(), error.to_string()))?;
     let root = document.root_element();
     let unit = match descendant(root, "unit").and_then(|unit| unit.attribute("meter")) {
         Some(meter) => meter.parse().map_err(|_| MeshError::at(1, format!("the unit is \"{meter}\" m")))?,
         None => 1.0,
     };
     let by_id = root.descendants().filter_map(|node| Some((node.attribute("id")?, node))).collect();
-    let mut scene = Scene { by_id, points: Vec::new() };
+    let mut scene = Scene { by_id, positions: HashMap::new(), elements: 0, points: Vec::new() };
     let stated = descendant(root, "instance_visual_scene").and_then(|instance| scene.referred(instance, "url"));
     match stated.or_else(|| descendant(root, "visual_scene")) {
         Some(visual) => scene.place(visual, &Matrix4::identity(), 0)?,
@@ -44,6 +46,10 @@ pub(super) fn vertices(bytes: &[u8]) -> Result<Vec<Point3<f64>>, MeshError> {
 
 struct Scene<'a> {
     by_id: HashMap<&'a str, Node<'a, 'a>>,
+    /// The positions of the sources read so far, which many faces may share.
+    positions: HashMap<NodeId, Rc<[Point3<f64>]>>,
+    /// Elements gone through so far, each as often as it is instanced.
+    elements: usize,
     points: Vec<Point3<f64>>,
 }
 
@@ -86,6 +92,7 @@ impl<'a> Scene<'a> {
         }
         let mut X = *X;
         for child in node.children().filter(Node::is_element) {
+            self.count(child)?;
             let name = child.tag_name().name();
             match name {
                 "matrix" | "translate" | "rotate" | "scale" => X *= transform(child, name)?,
@@ -106,10 +113,23 @@ impl<'a> Scene<'a> {
         Ok(())
     }
 
+    /// Counts an element that is gone through, of which there may be so many.
+    fn count(&mut self, node: Node<'a, 'a>) -> Result<(), MeshError> {
+        self.elements += 1;
+        if self.elements > MOST_ELEMENTS {
+            let message = format!("the scene's instances come to more than {MOST_ELEMENTS} elements");
+            return Err(MeshError::at(line(node), message));
+        }
+        Ok(())
+    }
+
     /// Adds the positions that the faces of a geometry at `X` use.
     fn geometry(&mut self, geometry: Node<'a, 'a>, X: &Matrix4<f64>) -> Result<(), MeshError> {
-        let is_face = |node: &Node| FACES.contains(&node.tag_name().name());
-        for faces in geometry.descendants().filter(is_face) {
+        for faces in geometry.descendants() {
+            self.count(faces)?;
+            if !FACES.contains(&faces.tag_name().name()) {
+                continue;
+            }
             let inputs = || faces.children().filter(|node| node.has_tag_name_of("input"));
             let offset = |input: Node| input.attribute("offset").and_then(|offset| offset.parse::<usize>().ok());
             let Some(vertex) = inputs().find(|input| input.attribute("semantic") == Some("VERTEX")) else { continue };
@@ -120,6 +140,10 @@ impl<'a> Scene<'a> {
                 for index in indices.skip(offset(vertex).unwrap_or(0)).step_by(per_corner) {
                     let position = index.parse().ok().and_then(|index: usize| positions.get(index));
                     let unknown = || MeshError::at(line(p), format!("there is no vertex \"{index}\""));
+                    if self.points.len() == MOST_CORNERS {
+                        let message = format!("the scene has more than {MOST_CORNERS} corners of faces");
+                        return Err(MeshError::at(line(p), message));
+                    }
                     self.points.push(X.transform_point(position.ok_or_else(unknown)?));
                 }
             }
@@ -128,15 +152,19 @@ impl<'a> Scene<'a> {
     }
 
     /// The positions of the vertices that an input names.
-    fn positions(&self, vertex: Node<'a, 'a>) -> Result<Option<Vec<Point3<f64>>>, MeshError> {
+    fn positions(&mut self, vertex: Node<'a, 'a>) -> Result<Option<Rc<[Point3<f64>]>>, MeshError> {
         let Some(vertices) = self.referred(vertex, "source") else { return Ok(None) };
         let position = vertices.children().find(|node| node.attribute("semantic") == Some("POSITION"));
         let Some(source) = position.and_then(|position| self.referred(position, "source")) else { return Ok(None) };
+        if let Some(known) = self.positions.get(&source.id()) {
+            return Ok(Some(Rc::clone(known)));
+        }
         let Some(array) = descendant(source, "float_array") else { return Ok(None) };
         let stride = descendant(source, "accessor").and_then(|accessor| accessor.attribute("stride"));
         let stride = stride.and_then(|stride| stride.parse().ok()).unwrap_or(3).max(3);
         let numbers = numbers(array)?;
-        Ok(Some(numbers.chunks_exact(stride).map(|xyz| Point3::new(xyz[0], xyz[1], xyz[2])).collect()))
+        let positions = numbers.chunks_exact(stride).map(|xyz| Point3::new(xyz[0], xyz[1], xyz[2])).collect();
+        Ok(Some(Rc::clone(self.positions.entry(source.id()).or_insert(positions))))
     }
 }
 

@@ -51,6 +51,9 @@ pub enum MeshError {
         /// Number of the vertex, from 1.
         vertex: usize,
     },
+    /// In place of the mesh there is a pointer to where Git keeps it.
+    #[error("this is a Git LFS pointer, not the mesh itself; fetch the mesh with `git lfs pull`")]
+    LfsPointer,
     /// The vertices span no solid.
     #[error("the mesh has {vertices} different vertices; a solid has at least 4")]
     Flat {
@@ -71,7 +74,10 @@ impl MeshError {
 /// When the file cannot be read, is of an unknown format, or has too few vertices.
 pub fn read_mesh(path: &Path) -> Result<Vec<Point3<f64>>, MeshError> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    let contents = || bytes(path).map_err(Box::new);
+    let contents = || match bytes(path) {
+        Ok(contents) if contents.starts_with(b"version https://git-lfs.github.com/spec/") => Err(MeshError::LfsPointer),
+        contents => Ok(contents.map_err(Box::new)?),
+    };
     let mut points = match extension.as_str() {
         "stl" => stl::vertices(&contents()?)?,
         "obj" => obj::vertices(&contents()?)?,
@@ -145,6 +151,7 @@ mod tests {
         ascii += "endsolid\n";
         obj += "v 9 9 9\nf -5 -4 2\n";
         assert_eq!(read("a.STL", ascii.as_bytes()).unwrap(), corners);
+        assert_eq!(read("capitals.stl", ascii.to_ascii_uppercase().as_bytes()).unwrap(), corners);
         assert_eq!(read("b.stl", &binary).unwrap(), corners);
         assert_eq!(read("c.obj", obj.as_bytes()).unwrap(), corners);
     }
@@ -187,6 +194,7 @@ mod tests {
             [
                 fail("a.ply", ""),
                 fail("empty.stl", ""),
+                fail("pointer.stl", "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n"),
                 short,
                 fail("word.stl", "solid\nvertex 1 2 x\n"),
                 fail("two.obj", "v 1 2 3\nv 1 2\n"),
@@ -206,6 +214,7 @@ mod tests {
             @r#"
         the extension is "ply"; STL, OBJ and DAE are read
         the mesh has 0 different vertices; a solid has at least 4
+        this is a Git LFS pointer, not the mesh itself; fetch the mesh with `git lfs pull`
         7 triangles take 434 bytes, the file has 84
         line 2: "x" is not a number
         line 2: a vertex has three coordinates

@@ -19,11 +19,14 @@ pub(super) fn vertices(bytes: &[u8]) -> Result<Vec<Point3<f64>>, MeshError> {
     match count {
         // Binary files may begin with "solid" too; their length tells them apart.
         Some(triangles) if bytes.len() == size(triangles) => Ok(binary(&bytes[HEADER..])),
-        Some(triangles) if !bytes.trim_ascii_start().starts_with(b"solid") => {
-            Err(MeshError::Size { triangles, bytes: bytes.len() })
-        }
+        Some(triangles) if !begins_with_solid(bytes) => Err(MeshError::Size { triangles, bytes: bytes.len() }),
         _ => ascii(&text(bytes)),
     }
+}
+
+fn begins_with_solid(bytes: &[u8]) -> bool {
+    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes).trim_ascii_start();
+    bytes.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
 }
 
 fn binary(triangles: &[u8]) -> Vec<Point3<f64>> {
@@ -37,7 +40,8 @@ fn ascii(text: &str) -> Result<Vec<Point3<f64>>, MeshError> {
     let mut points = Vec::new();
     for (i, line) in text.lines().enumerate() {
         let mut words = line.split_whitespace();
-        if words.next() == Some("vertex") {
+        // Some exporters write all words in capitals.
+        if words.next().is_some_and(|word| word.eq_ignore_ascii_case("vertex")) {
             points.push(point(words, i + 1)?);
         }
     }

@@ -4,6 +4,8 @@ use nalgebra::{Translation3, UnitQuaternion};
 use roxmltree::{Document, Error, Node};
 
 use super::error::{UrdfError, UrdfFault};
+use super::note::{UrdfNote, UrdfRemark};
+use crate::formats::xml::{self, XmlError};
 use crate::spatial::Pose;
 
 /// An element of a robot description.
@@ -12,13 +14,14 @@ pub(super) struct Element<'a>(Node<'a, 'a>);
 
 /// The XML document of `text`, which must be expanded.
 pub(super) fn parse(text: &str) -> Result<Document<'_>, UrdfError> {
-    let document = Document::parse(text).map_err(|error| {
-        let line = error.pos().row as usize;
+    let document = xml::parse(text).map_err(|error| {
         let fault = match &error {
-            Error::UnknownNamespace(prefix, _) if prefix == "xacro" => UrdfFault::Xacro { found: "xacro:".into() },
-            _ => UrdfFault::Syntax { message: without_place(&error.to_string()) },
+            XmlError::Syntax(Error::UnknownNamespace(prefix, _)) if prefix == "xacro" => {
+                UrdfFault::Xacro { found: "xacro:".into() }
+            }
+            _ => UrdfFault::Syntax { message: error.to_string() },
         };
-        UrdfError { line, element: None, fault }
+        UrdfError { line: error.line(), element: None, fault }
     })?;
     for node in document.descendants().filter(Node::is_element) {
         let of_xacro = node.tag_name().namespace().is_some_and(|namespace| namespace.contains("xacro"));
@@ -35,11 +38,6 @@ pub(super) fn parse(text: &str) -> Result<Document<'_>, UrdfError> {
     Ok(document)
 }
 
-/// The parser's message without the line and column at its end; the line is told apart.
-fn without_place(message: &str) -> String {
-    message.rsplit_once(" at ").map_or(message, |(what, _)| what).to_owned()
-}
-
 impl<'a> Element<'a> {
     pub(super) fn root(document: &'a Document<'a>) -> Self {
         Self(document.root_element())
@@ -54,16 +52,23 @@ impl<'a> Element<'a> {
         self.0.document().text_pos_at(self.0.range().start).row as usize
     }
 
-    /// `fault` in the link or joint around this element.
-    pub(super) fn error(&self, fault: UrdfFault) -> UrdfError {
+    /// The link or joint around this element: `joint "elbow"`.
+    fn surrounding(&self) -> Option<String> {
         let named =
             |node: &Node| matches!(node.tag_name().name(), "link" | "joint") && node.attribute("name").is_some();
-        let element = self
-            .0
-            .ancestors()
-            .find(named)
-            .map(|node| format!("{} \"{}\"", node.tag_name().name(), node.attribute("name").unwrap_or_default()));
-        UrdfError { line: self.line(), element, fault }
+        let name =
+            |node: Node| format!("{} \"{}\"", node.tag_name().name(), node.attribute("name").unwrap_or_default());
+        self.0.ancestors().find(named).map(name)
+    }
+
+    /// `fault` in the link or joint around this element.
+    pub(super) fn error(&self, fault: UrdfFault) -> UrdfError {
+        UrdfError { line: self.line(), element: self.surrounding(), fault }
+    }
+
+    /// `remark` on the link or joint around this element.
+    pub(super) fn note(&self, remark: UrdfRemark) -> UrdfNote {
+        UrdfNote { line: self.line(), element: self.surrounding(), remark }
     }
 
     pub(super) fn children(&self) -> impl Iterator<Item = Element<'a>> + use<'a> {
@@ -117,12 +122,12 @@ impl<'a> Element<'a> {
         Ok(self.numbers::<1>(attribute)?.map(|[number]| number))
     }
 
-    /// Sizes in m, all greater than 0.
-    pub(super) fn sizes<const N: usize>(&self, attribute: &str) -> Result<[f64; N], UrdfError> {
+    /// Sizes in m, none negative.
+    pub(super) fn sizes<const N: usize>(&self, attribute: &'static str) -> Result<[f64; N], UrdfError> {
         self.required(attribute)?;
         let sizes = self.numbers::<N>(attribute)?.unwrap_or([0.0; N]);
-        match sizes.iter().find(|&&size| size <= 0.0) {
-            Some(&value) => Err(self.error(UrdfFault::NotPositive { attribute: attribute.into(), value })),
+        match sizes.iter().find(|&&size| size < 0.0) {
+            Some(&value) => Err(self.error(UrdfFault::Negative { what: attribute, value })),
             None => Ok(sizes),
         }
     }

@@ -42,6 +42,16 @@ pub enum UrdfFault {
     /// There are no links.
     #[error("the robot has no links")]
     NoLinks,
+    /// There is more than any robot has.
+    #[error("there are {found} <{tag}> elements; at most {most} are read")]
+    TooMany {
+        /// What there is too much of.
+        tag: &'static str,
+        /// How many.
+        found: usize,
+        /// How many are read.
+        most: usize,
+    },
     /// An attribute or element is left out.
     #[error("{what} is missing")]
     Missing {
@@ -67,16 +77,8 @@ pub enum UrdfFault {
         /// How many finite numbers belong there.
         expected: usize,
     },
-    /// A size is not positive.
-    #[error("`{attribute}` is {value}; it must be greater than 0")]
-    NotPositive {
-        /// The attribute.
-        attribute: String,
-        /// The number.
-        value: f64,
-    },
-    /// A mass or speed is negative.
-    #[error("{what} is {value}; it must be at least 0")]
+    /// A size, mass or speed is negative.
+    #[error("the {what} is {value}; it must be at least 0")]
     Negative {
         /// What.
         what: &'static str,
@@ -86,20 +88,20 @@ pub enum UrdfFault {
     /// An axis has no direction.
     #[error("the axis is 0 0 0, which has no direction")]
     ZeroAxis,
-    /// An axis is not a unit vector.
-    #[error("the axis has length {length}; it must have length 1, as {} {} {} has", unit[0], unit[1], unit[2])]
-    AxisNotUnit {
-        /// Its length.
-        length: f64,
-        /// The unit vector in its direction.
-        unit: [f64; 3],
-    },
     /// A joint's limits are reversed.
     #[error("the limits run from {lower} down to {upper}")]
     LimitsReversed {
         /// Lower limit, rad or m.
         lower: f64,
         /// Upper limit, rad or m.
+        upper: f64,
+    },
+    /// A joint's limits and its soft limits have nothing in common.
+    #[error("the soft limits of the safety controller leave nothing of the limits: {lower} is above {upper}")]
+    SoftLimitsOutside {
+        /// The greater of the lower limits, rad or m.
+        lower: f64,
+        /// The lesser of the upper limits, rad or m.
         upper: f64,
     },
     /// A joint moves in a way that no arm does.
@@ -169,14 +171,17 @@ pub enum UrdfFault {
     },
     /// A mesh is not found.
     #[error(
-        "mesh \"{filename}\" is not there; looked for {}. Name the folders of packages with `robot.package_folders`",
-        paths(sought)
+        "mesh \"{filename}\" is not there; looked for {}. Name the folders of packages with `robot.package_folders`{}",
+        paths(sought),
+        package.as_ref().map(|folder| format!("; {} is of that name", folder.display())).unwrap_or_default()
     )]
     MeshNotFound {
         /// As the file names it.
         filename: String,
         /// Where it was looked for.
         sought: Vec<PathBuf>,
+        /// A folder above the description that has the package's name, if there is one.
+        package: Option<PathBuf>,
     },
     /// A mesh lies elsewhere.
     #[error(
@@ -186,6 +191,22 @@ pub enum UrdfFault {
     MeshOutside {
         /// As the file names it.
         filename: String,
+        /// The folders.
+        folders: Vec<PathBuf>,
+    },
+    /// A mesh is a symbolic link that leads elsewhere, as in workspaces that are linked rather than copied.
+    #[error(
+        "mesh \"{filename}\" leads through a symbolic link to {}, outside of the folders it may be in: {}. Add the folder that \
+         the link leads to, such as {}, to `robot.package_folders` if it is meant",
+        target.display(),
+        paths(folders),
+        target.parent().unwrap_or(target).display()
+    )]
+    MeshLinked {
+        /// As the file names it.
+        filename: String,
+        /// Where the link leads.
+        target: PathBuf,
         /// The folders.
         folders: Vec<PathBuf>,
     },
@@ -203,6 +224,27 @@ pub enum UrdfFault {
         /// Why not.
         error: MeshError,
     },
+}
+
+impl UrdfError {
+    /// Whether the file is of another kind, rather than one with a mistake.
+    pub fn is_of_another_file(&self) -> bool {
+        match &self.fault {
+            UrdfFault::Root { .. } | UrdfFault::Xacro { .. } => true,
+            UrdfFault::Syntax { .. } => self.line == 1,
+            _ => false,
+        }
+    }
+}
+
+impl UrdfFault {
+    /// Whether it only leaves open how a single joint moves: nothing else of the description depends on it.
+    pub(super) fn is_of_motion(&self) -> bool {
+        matches!(
+            self,
+            Self::ZeroAxis | Self::LimitsReversed { .. } | Self::SoftLimitsOutside { .. } | Self::JointType { .. }
+        )
+    }
 }
 
 fn count(numbers: usize) -> String {

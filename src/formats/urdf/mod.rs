@@ -7,9 +7,13 @@ mod error;
 mod joint;
 mod link;
 mod mesh_folders;
+mod note;
+mod range;
 mod srdf;
 
 pub use error::{UrdfError, UrdfFault};
+pub use note::{UrdfNote, UrdfRemark};
+pub use range::StatedRange;
 pub use srdf::read_srdf;
 
 use std::collections::HashMap;
@@ -17,20 +21,62 @@ use std::path::{Path, PathBuf};
 
 use element::{Element, parse};
 use joint::{UrdfJoint, motions};
+use link::Meshes;
 use mesh_folders::MeshFolders;
 
-use crate::robot::{Link, Mechanism, Motion, Tree};
+use crate::robot::{Body, Link, Mechanism, Motion, Tree};
 use crate::spatial::Pose;
+
+/// More links are no robot's; what is done with pairs of them takes its time.
+const MOST_LINKS: usize = 1000;
+/// More bodies likewise.
+const MOST_BODIES: usize = 5000;
+
+/// A robot description as it was read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Description {
+    /// Name of the robot; empty if it has none.
+    pub name: String,
+    /// The robot. The limits of its joints are [`StatedRange::limits`].
+    pub mechanism: Mechanism,
+    /// What is stated of the ranges of the mechanism's joints.
+    pub ranges: Vec<StatedRange>,
+    /// Links whose joint is to move in a way that cannot be followed, and why. Each stands where the joint is at 0.
+    pub stuck: Vec<(usize, UrdfError)>,
+    /// What was put right or left out.
+    pub notes: Vec<UrdfNote>,
+}
 
 /// The robot that a URDF describes. Its meshes are sought from `folder`, the description's own, and in `package_folders`, which
 /// are packages or hold them; the solid of a mesh is its convex hull.
 ///
-/// Links come parents first, otherwise as in the file. A continuous joint has limits of half a turn either way. The limits of a
-/// joint that mimics another are not looked at.
+/// Links come parents first, otherwise as in the file. The limits of a joint that mimics another are not looked at.
 ///
 /// # Errors
 /// When the text is not the URDF of a tree of links, or a mesh cannot be read.
-pub fn read_urdf(text: &str, folder: &Path, package_folders: &[PathBuf]) -> Result<Mechanism, UrdfError> {
+pub fn read_urdf(text: &str, folder: &Path, package_folders: &[PathBuf]) -> Result<Description, UrdfError> {
+    let mut meshes = Meshes::new(MeshFolders::new(folder, package_folders));
+    described(text, &mut |link, notes| link::bodies(link, &mut meshes, notes))
+}
+
+/// As [`read_urdf`], without the robot's bodies and so without its meshes, and the files that these are named by.
+///
+/// # Errors
+/// When the text is not the URDF of a tree of links.
+pub fn outline_urdf(text: &str) -> Result<(Description, Vec<String>), UrdfError> {
+    let mut meshes = Vec::new();
+    let description = described(text, &mut |link, _| {
+        let shapes = link.all("collision").filter_map(|collision| collision.child("geometry")?.child("mesh"));
+        meshes.extend(shapes.filter_map(|mesh| mesh.attribute("filename")).map(str::to_owned));
+        Ok(Vec::new())
+    })?;
+    Ok((description, meshes))
+}
+
+/// The bodies of a link, and notes about them.
+type Bodies<'b> = dyn FnMut(Element<'_>, &mut Vec<UrdfNote>) -> Result<Vec<Body>, UrdfError> + 'b;
+
+fn described(text: &str, bodies: &mut Bodies) -> Result<Description, UrdfError> {
     let document = parse(text)?;
     let robot = Element::root(&document);
     if robot.tag() != "robot" {
@@ -40,13 +86,23 @@ pub fn read_urdf(text: &str, folder: &Path, package_folders: &[PathBuf]) -> Resu
     if links.is_empty() {
         return Err(robot.error(UrdfFault::NoLinks));
     }
-    let index = numbered(&links)?;
     let elements: Vec<Element> = robot.all("joint").collect();
+    let collisions = links.iter().map(|link| link.all("collision").count()).sum();
+    for (tag, found, most) in [
+        ("link", links.len(), MOST_LINKS),
+        ("joint", elements.len(), MOST_LINKS),
+        ("collision", collisions, MOST_BODIES),
+    ] {
+        if found > most {
+            return Err(robot.error(UrdfFault::TooMany { tag, found, most }));
+        }
+    }
+    let index = numbered(&links)?;
     numbered(&elements)?;
     let joints = elements.into_iter().map(UrdfJoint::read).collect::<Result<Vec<_>, _>>()?;
     let above = joints_above(&joints, &index)?;
-    let (free, motions) = motions(&joints)?;
-    let folders = MeshFolders::new(folder, package_folders);
+    let motions = motions(&joints);
+    let mut notes: Vec<UrdfNote> = joints.iter().filter_map(UrdfJoint::note).collect();
 
     let mut tree = Tree::default();
     let mut place: HashMap<&str, usize> = HashMap::new();
@@ -54,14 +110,22 @@ pub fn read_urdf(text: &str, folder: &Path, package_folders: &[PathBuf]) -> Resu
         let (element, name) = (links[i], links[i].name()?);
         let (parent, X_PJ, motion) = match above[i] {
             None => (None, Pose::identity(), Motion::Fixed),
-            Some(joint) => (place.get(joints[joint].parent).copied(), joints[joint].X_PJ, motions[joint].clone()),
+            Some(joint) => {
+                let motion = motions.of_joints[joint].clone();
+                (place.get(joints[joint].parent).copied(), joints[joint].X_PJ, motion)
+            }
         };
-        let (bodies, mass) = (link::bodies(element, &folders)?, link::mass(element)?);
+        let (bodies, mass) = (bodies(element, &mut notes)?, link::mass(element)?);
         place.insert(name, tree.links.len());
         tree.links.push(Link { name: name.into(), parent, X_PJ, motion, bodies, mass });
     }
+    notes.sort_by_key(|note| note.line);
+    let stuck = motions.stuck.into_iter();
+    let stuck = stuck.filter_map(|(joint, error)| Some((*place.get(joints[joint].child)?, error))).collect();
     let followers = joints.iter().filter(|joint| joint.mimics()).map(|joint| joint.name.to_owned()).collect();
-    Ok(Mechanism { tree, joints: free, followers })
+    let (free, ranges) = motions.free.into_iter().unzip();
+    let name = robot.attribute("name").unwrap_or_default().trim().to_owned();
+    Ok(Description { name, mechanism: Mechanism { tree, joints: free, followers }, ranges, stuck, notes })
 }
 
 /// The elements by their names, each of which must occur once.
@@ -120,7 +184,11 @@ fn parents_first(
         waiting.extend(children[link].iter().rev());
     }
     // With at most one root, a link that is not reached hangs on itself.
-    let Some(lost) = (0..links.len()).find(|link| !order.contains(link)) else { return Ok(order) };
+    let mut reached = vec![false; links.len()];
+    for &link in &order {
+        reached[link] = true;
+    }
+    let Some(lost) = reached.iter().position(|&reached| !reached) else { return Ok(order) };
     let mut way = vec![lost];
     let mut at = lost;
     while let Some(next) = parent(at) {

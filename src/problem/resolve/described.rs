@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{ANGLE, Check, LENGTH, si};
-use crate::formats::{read_srdf_file, read_urdf_file};
+use super::{ANGLE, Check, LENGTH, file_unit, si};
+use crate::formats::{Description, StatedRange, read_srdf_file, read_urdf_file};
 use crate::problem::document::KeyPath;
 use crate::problem::fault::{Allowed, Reason};
 use crate::problem::schema;
@@ -33,22 +33,31 @@ impl Check<'_, '_> {
             self.fault(&at.key("package_folders").at(i), Reason::NoFolder { name });
         }
         let path = folder.join(urdf);
-        let mut mechanism = match read_urdf_file(&path, &packages) {
-            Ok(mechanism) => mechanism,
+        let description = match read_urdf_file(&path, &packages) {
+            Ok(description) => description,
             Err(error) => {
                 self.fault(&at.key("urdf"), Reason::RobotFile { path, error });
                 return None;
             }
         };
+        let Description { mut mechanism, ranges, stuck, notes, .. } = description;
+        for note in notes {
+            self.note(&at.key("urdf"), note.to_string());
+        }
         if let Some(srdf) = &robot.srdf {
             let path = folder.join(srdf);
             match read_srdf_file(&path, &mechanism.tree) {
-                Ok(pairs) => mechanism.tree.disabled = pairs,
+                Ok((pairs, notes)) => {
+                    mechanism.tree.disabled = pairs;
+                    for note in notes {
+                        self.note(&at.key("srdf"), note.to_string());
+                    }
+                }
                 Err(error) => self.fault(&at.key("srdf"), Reason::RobotFile { path, error }),
             }
         }
-        self.described_limits(&at, robot, &mut mechanism);
-        let held = self.held(&at, robot, &mechanism);
+        let given = self.described_limits(&at, robot, &mut mechanism, &ranges);
+        let held = self.held(&at, robot, &mechanism, &ranges, &given);
         let base_link = self.described_link(&at.key("base_link"), robot.base_link.as_deref(), &mechanism);
         let board_at = KeyPath::section("target").key("link");
         let board_link = self.described_link(&board_at, file.target.link.as_deref(), &mechanism);
@@ -66,11 +75,41 @@ impl Check<'_, '_> {
         let base_link = base_link.unwrap_or(0);
         let assembly =
             Assembly { base_link, board_link: board_link.unwrap_or(base_link), camera_link: camera_link?, X_FC, held };
+        let way = mechanism.between(assembly.board_link, assembly.camera_link);
+        let mut told = Vec::new();
+        for (link, error) in stuck {
+            if !way.contains(&link) {
+                self.note(&at.key("urdf"), format!("{error}. It is off the arm and stands as at 0"));
+            } else if !told.contains(&error) {
+                // A joint that mimics a stuck one is stuck for the same reason.
+                let reason = Reason::RobotFile { path: path.clone(), error: error.clone().into() };
+                self.fault(&at.key("urdf"), reason);
+                told.push(error);
+            }
+        }
         let mut arm = mechanism.robot(&assembly);
         if arm.chain.joints.is_empty() {
             let name = |link: usize| mechanism.tree.links[link].name.clone();
             let (camera_link, board_link) = (name(assembly.camera_link), name(assembly.board_link));
             self.fault(&camera_at, Reason::NothingMoves { camera_link, board_link });
+            return None;
+        }
+        let origins: Vec<(&Joint, &StatedRange, bool)> = arm
+            .chain
+            .joints
+            .iter()
+            .filter_map(|joint| {
+                let i = mechanism.joint(&joint.name)?;
+                Some((joint, &ranges[i], given[i]))
+            })
+            .collect();
+        self.blank_limits(&at, &origins);
+        for (joint, range, given) in origins {
+            if range.is_softened() && !given {
+                self.note(&at.key("urdf"), softened(joint, range));
+            }
+        }
+        if self.faults.len() > faults {
             return None;
         }
         let mut tree = std::mem::take(&mut arm.tree);
@@ -90,33 +129,92 @@ impl Check<'_, '_> {
         link
     }
 
-    /// Puts the file's ranges in place of the description's.
-    fn described_limits(&mut self, at: &KeyPath, robot: &schema::Robot, mechanism: &mut Mechanism) {
-        for (key, ranges, kind, allowed) in [
+    /// Puts the file's ranges in place of the description's, and returns for which joints it has one.
+    fn described_limits(
+        &mut self,
+        at: &KeyPath,
+        robot: &schema::Robot,
+        mechanism: &mut Mechanism,
+        ranges: &[StatedRange],
+    ) -> Vec<bool> {
+        let mut given = vec![false; ranges.len()];
+        let mut exceeding = Vec::new();
+        for (key, limits, kind, allowed) in [
             ("limits_deg", &robot.limits_deg, JointKind::Revolute, ANGLE),
             ("limits_mm", &robot.limits_mm, JointKind::Prismatic, LENGTH),
         ] {
-            for (name, &range) in ranges {
+            for (name, &range) in limits {
                 let at = at.key(key).key(name);
                 let Numbers([min, max]) = self.range(&at, range, allowed);
-                if let Some(joint) = self.described_joint(&at, name, kind, mechanism) {
-                    mechanism.joints[joint].limits = Limits { min: si(kind, min), max: si(kind, max) };
+                let Some(joint) = self.described_joint(&at, name, kind, mechanism) else { continue };
+                given[joint] = true;
+                let mut limits = Limits { min: si(kind, min), max: si(kind, max) };
+                let bounds = ranges[joint].bounds();
+                // Forgiving what numbers lose that are written to a thousandth.
+                let slack = si(kind, 1e-3);
+                if limits.min >= bounds.min - slack && limits.max <= bounds.max + slack {
+                    limits = Limits { min: limits.min.max(bounds.min), max: limits.max.min(bounds.max) };
+                } else {
+                    let bounds = [bounds.min, bounds.max].map(|bound| file_unit(kind, bound));
+                    if robot.exceed_urdf_limits.contains(name) {
+                        let [low, high] = bounds;
+                        self.note(
+                            &at,
+                            format!("goes beyond the URDF's range from {low} to {high}, as is said to be meant"),
+                        );
+                    } else {
+                        let soft = ranges[joint].is_softened();
+                        self.fault(&at, Reason::BeyondUrdf { joint: name.clone(), range: [min, max], bounds, soft });
+                    }
+                    exceeding.push(name);
                 }
+                mechanism.joints[joint].limits = limits;
+            }
+        }
+        let at = at.key("exceed_urdf_limits");
+        for (i, name) in robot.exceed_urdf_limits.iter().enumerate() {
+            if mechanism.joint(name).is_none() {
+                let allowed = mechanism.joints.iter().map(|joint| joint.name.clone()).collect();
+                self.fault(&at.at(i), Reason::UnknownName { name: name.clone(), allowed });
+            } else {
+                let to = "a joint whose range does not go beyond the URDF's";
+                self.refused(&at.at(i), !exceeding.contains(&name), to, "leave it out");
+            }
+        }
+        given
+    }
+
+    /// Refuses to sweep joints whose limits nobody states.
+    fn blank_limits(&mut self, at: &KeyPath, joints: &[(&Joint, &StatedRange, bool)]) {
+        for (key, kind) in [("limits_deg", JointKind::Revolute), ("limits_mm", JointKind::Prismatic)] {
+            let blank = joints.iter().filter(|(joint, range, given)| joint.kind == kind && range.is_blank() && !given);
+            let joints: Vec<String> = blank.map(|(joint, ..)| joint.name.clone()).collect();
+            if !joints.is_empty() {
+                self.fault(&at.key(key), Reason::NoLimits { joints });
             }
         }
     }
 
     /// For each joint the value at which the file holds it.
-    fn held(&mut self, at: &KeyPath, robot: &schema::Robot, mechanism: &Mechanism) -> Vec<Option<f64>> {
+    fn held(
+        &mut self,
+        at: &KeyPath,
+        robot: &schema::Robot,
+        mechanism: &Mechanism,
+        ranges: &[StatedRange],
+        given: &[bool],
+    ) -> Vec<Option<f64>> {
         let mut held = vec![None; mechanism.joints.len()];
-        for (key, values, kind) in [
-            ("joint_values_deg", &robot.joint_values_deg, JointKind::Revolute),
-            ("joint_values_mm", &robot.joint_values_mm, JointKind::Prismatic),
+        for (key, values, kind, any) in [
+            ("joint_values_deg", &robot.joint_values_deg, JointKind::Revolute, ANGLE),
+            ("joint_values_mm", &robot.joint_values_mm, JointKind::Prismatic, LENGTH),
         ] {
             for (name, &value) in values {
                 let at = at.key(key).key(name);
                 if let Some(joint) = self.described_joint(&at, name, kind, mechanism) {
-                    self.number(&at, value, allowed_values(&mechanism.joints[joint]));
+                    let unlimited = ranges[joint].is_blank() && !given[joint];
+                    let allowed = if unlimited { any } else { allowed_values(&mechanism.joints[joint]) };
+                    self.number(&at, value, allowed);
                     held[joint] = Some(si(kind, value));
                 }
             }
@@ -147,6 +245,20 @@ impl Check<'_, '_> {
 
 fn link_names(mechanism: &Mechanism) -> Vec<String> {
     mechanism.tree.links.iter().map(|link| link.name.clone()).collect()
+}
+
+/// What the user should know of a joint that moves less than its limits say.
+fn softened(joint: &Joint, range: &StatedRange) -> String {
+    let unit = match joint.kind {
+        JointKind::Revolute => "°",
+        JointKind::Prismatic => " mm",
+    };
+    let between = |Limits { min, max }: Limits| {
+        format!("{}{unit} to {}{unit}", file_unit(joint.kind, min), file_unit(joint.kind, max))
+    };
+    let limit = range.limit.map(|limit| format!(", tighter than its limits from {}", between(limit)));
+    let (name, limit) = (&joint.name, limit.unwrap_or_default());
+    format!("joint \"{name}\" moves from {}, as its safety controller lets it{limit}", between(joint.limits))
 }
 
 /// The joint's limits in the file's unit, to a thousandth.

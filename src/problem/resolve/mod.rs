@@ -17,7 +17,7 @@ use nalgebra::{Quaternion, UnitQuaternion};
 use super::document::{Document, KeyPath};
 use super::fault::{Allowed, Fault, Reason};
 use super::shape::Numbers;
-use super::{Problem, schema, syntax};
+use super::{Note, Problem, schema, syntax};
 use crate::calibration::FEWEST_CORNERS;
 use crate::camera::{Camera, Lens};
 use crate::feasibility::VisibilityLimits;
@@ -39,7 +39,7 @@ pub(super) fn resolve(
     path: &Path,
     sha256: String,
 ) -> Result<Problem, Vec<Fault>> {
-    let mut check = Check { document, faults: Vec::new() };
+    let mut check = Check { document, faults: Vec::new(), notes: Vec::new() };
     let stem = path.file_stem().map(std::ffi::OsStr::to_string_lossy).unwrap_or_default();
     let name = check.name(file.name.as_deref(), &stem);
     let output = check.output(&file.output, &name);
@@ -98,20 +98,27 @@ pub(super) fn resolve(
             selection,
             constraints,
             output,
+            notes: check.notes,
         }),
         _ => Err(check.faults),
     }
 }
 
-/// The faults found so far. A check returns its value in SI units even where it is wrong, so that the next can run.
+/// The faults and notes found so far. A check returns its value in SI units even where it is wrong, so that the next can run.
 struct Check<'d, 'a> {
     document: &'d Document<'a>,
     faults: Vec<Fault>,
+    notes: Vec<Note>,
 }
 
 impl Check<'_, '_> {
     fn fault(&mut self, path: &KeyPath, reason: Reason) {
         self.faults.push(syntax::fault(self.document, path, reason));
+    }
+
+    /// What the user should know about the key at `path`, or the file it names.
+    fn note(&mut self, path: &KeyPath, text: String) {
+        self.notes.push(Note { key: path.to_string(), text });
     }
 
     /// `value`, which must be `allowed`.
@@ -248,6 +255,15 @@ fn si(kind: JointKind, value: f64) -> f64 {
         JointKind::Revolute => value.to_radians(),
         JointKind::Prismatic => value / 1e3,
     }
+}
+
+/// A joint value in rad or m in the file's unit, to a thousandth.
+fn file_unit(kind: JointKind, value: f64) -> f64 {
+    let value = match kind {
+        JointKind::Revolute => value.to_degrees(),
+        JointKind::Prismatic => value * 1e3,
+    };
+    (value * 1e3).round() / 1e3 + 0.0
 }
 
 fn owned(names: &[&str]) -> Vec<String> {

@@ -73,6 +73,7 @@ impl Check<'_, '_> {
     fn without_urdf(&mut self, file: &schema::File) {
         let schema::Robot { srdf, package_folders, base_link, camera_link, .. } = &file.robot;
         let schema::Robot { joint_values_deg, joint_values_mm, limits_deg, limits_mm, .. } = &file.robot;
+        let exceeding = !file.robot.exceed_urdf_limits.is_empty();
         let robot = KeyPath::section("robot");
         let to = "a robot without `urdf`";
         for (key, given) in [
@@ -82,6 +83,7 @@ impl Check<'_, '_> {
             ("camera_link", camera_link.is_some()),
             ("joint_values_deg", !joint_values_deg.is_empty()),
             ("joint_values_mm", !joint_values_mm.is_empty()),
+            ("exceed_urdf_limits", exceeding),
         ] {
             self.refused(&robot.key(key), given, to, "leave it out");
         }
