@@ -37,7 +37,7 @@ fn body(body: &Body) -> Value {
         Shape::Cylinder { radius, length } => ("cylinder", json!([radius, length])),
         Shape::Sphere { radius } => ("sphere", json!([radius])),
         Shape::Capsule { radius, length } => ("capsule", json!([radius, length])),
-        Shape::Convex { points } => ("convex", points.iter().map(|p| json!(p.coords.as_slice())).collect()),
+        Shape::Convex { points, .. } => ("convex", points.iter().map(|p| json!(p.coords.as_slice())).collect()),
     };
     json!({ "shape": shape, "size": size, "pose": pose(&body.X_LG) })
 }

@@ -30,7 +30,7 @@ struct Request {
 fn mesh_bounds(link: &Link) -> Vec<[f64; 6]> {
     let mut all = Vec::new();
     for body in &link.bodies {
-        let Shape::Convex { points } = &body.shape else { continue };
+        let Shape::Convex { points, .. } = &body.shape else { continue };
         let mut bounds = [f64::INFINITY, f64::INFINITY, f64::INFINITY, -f64::INFINITY, -f64::INFINITY, -f64::INFINITY];
         for point in points {
             let p = body.X_LG * point;

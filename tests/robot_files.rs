@@ -158,7 +158,7 @@ fn a_description_means_what_it_says() {
     assert_eq!(links[0].bodies[0].shape, Shape::Box { half_extents: Vector3::new(0.1, 0.2, 0.3) });
     assert_eq!(links[2].bodies[0].shape, Shape::Capsule { radius: 0.02, length: 0.1 });
     assert_eq!(links[4].bodies[0].shape, Shape::Cylinder { radius: 0.1, length: 0.05 });
-    let Shape::Convex { points } = &links[1].bodies[0].shape else { panic!() };
+    let Shape::Convex { points, margin: 0.0 } = &links[1].bodies[0].shape else { panic!() };
     assert_eq!(points.len(), 4);
     assert!(points.contains(&Point3::new(0.0, 0.0, -0.2)));
     assert_eq!(links[2].mass, None);

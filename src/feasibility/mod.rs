@@ -4,6 +4,7 @@
 //! [`Collision`], [`Occlusion`].
 
 mod collision;
+mod hull;
 mod occlusion;
 mod solid;
 mod stability;
@@ -11,6 +12,7 @@ mod views;
 mod visibility;
 
 pub use collision::{Close, Collision, LinkPair, LinkPairs};
+pub use hull::{Simplified, simplify_hulls};
 pub use occlusion::Occlusion;
 pub use stability::{Stability, StabilityError};
 pub use views::{Checks, Rejection, View, feasible_views};

@@ -59,22 +59,25 @@ impl SupportMap for Core {
                 let out = dir.xy().try_normalize(0.0).unwrap_or_default() * *radius;
                 Point3::new(out.x, out.y, half.copysign(dir.z))
             }
-            Core::Hull(points) => {
-                let farther = |best: (f64, Point3<f64>), point: &Point3<f64>| {
-                    let along = point.coords.dot(dir);
-                    if along > best.0 { (along, *point) } else { best }
-                };
-                points.iter().fold((f64::NEG_INFINITY, Point3::origin()), farther).1
-            }
+            Core::Hull(points) => farthest(points, dir),
         }
     }
+}
+
+/// The first of the points that lie farthest in direction `dir`.
+pub(super) fn farthest(points: &[Point3<f64>], dir: &Vector3<f64>) -> Point3<f64> {
+    let farther = |best: (f64, Point3<f64>), point: &Point3<f64>| {
+        let along = point.coords.dot(dir);
+        if along > best.0 { (along, *point) } else { best }
+    };
+    points.iter().fold((f64::NEG_INFINITY, Point3::origin()), farther).1
 }
 
 /// A core in millimetres. The search gives up when a step gains less than about 10⁻⁷ in its units' squares, which for links in
 /// metres may be 10 µm.
 struct Fine<'c>(&'c Core);
 
-const MILLIMETRES: f64 = 1e3;
+pub(super) const MILLIMETRES: f64 = 1e3;
 
 impl SupportMap for Fine<'_> {
     fn local_support_point(&self, dir: &Vector3<f64>) -> Point3<f64> {
@@ -123,14 +126,15 @@ impl Solid {
                 let end = Point3::new(0.0, 0.0, length / 2.0);
                 (Core::Segment([-end, end]), *radius, length / 2.0)
             }
-            Shape::Convex { points } => {
+            Shape::Convex { points, margin } => {
                 let first = points.first()?;
                 let (low, high) = points.iter().fold((*first, *first), |(low, high), p| (low.inf(p), high.sup(p)));
                 let middle = nalgebra::center(&low, &high);
                 let centred: Vec<Point3<f64>> = points.iter().map(|p| Point3::from(p - middle)).collect();
                 let size = centred.iter().map(|p| p.coords.norm()).fold(0.0, f64::max);
                 let X_LG = body.X_LG * nalgebra::Translation3::from(middle);
-                return Some(Self { link, X_LG, core: Core::Hull(centred), radius: 0.0, reach: size });
+                let (core, radius) = (Core::Hull(centred), *margin);
+                return Some(Self { link, X_LG, core, radius, reach: size + radius });
             }
         };
         Some(Self { link, X_LG: body.X_LG, core, radius, reach: size + radius })
@@ -218,8 +222,9 @@ mod tests {
             sizes.clone().prop_map(|[radius, length, _]| Shape::Cylinder { radius, length }),
             sizes.clone().prop_map(|[radius, ..]| Shape::Sphere { radius }),
             sizes.prop_map(|[radius, length, _]| Shape::Capsule { radius, length }),
-            prop::collection::vec(corner, 4..20)
-                .prop_map(|points| Shape::Convex { points: points.into_iter().map(Point3::from).collect() }),
+            (prop::collection::vec(corner, 4..20), 0.0..0.01f64).prop_map(|(points, margin)| {
+                Shape::Convex { points: points.into_iter().map(Point3::from).collect(), margin }
+            }),
         ]
     }
 

@@ -41,7 +41,13 @@ pub enum FileReadError {
     Content(#[from] ReadError),
     /// It is no description of a robot, or a wrong one.
     #[error(transparent)]
-    Robot(#[from] UrdfError),
+    Robot(Box<UrdfError>),
+}
+
+impl From<UrdfError> for FileReadError {
+    fn from(error: UrdfError) -> Self {
+        Self::Robot(Box::new(error))
+    }
 }
 
 /// The camera of the file at `path`; see [`read_camera`].

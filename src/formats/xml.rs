@@ -36,7 +36,7 @@ impl XmlError {
 /// When the text is not XML, or an element has thousands of attributes.
 pub(super) fn parse(text: &str) -> Result<Document<'_>, XmlError> {
     if let Some(byte) = crowded(text.as_bytes()) {
-        let line = text.as_bytes()[..byte].iter().filter(|&&byte| byte == b'\n').count() + 1;
+        let line = text[..byte].lines().count();
         return Err(XmlError::Attributes { line });
     }
     Ok(Document::parse(text)?)
@@ -49,8 +49,7 @@ fn crowded(text: &[u8]) -> Option<usize> {
     while i < text.len() {
         let byte = text[i];
         match (quote, byte) {
-            (Some(open), _) if byte == open => quote = None,
-            (Some(_), _) => {}
+            (Some(open), _) => quote = Some(open).filter(|&open| open != byte),
             (None, b'<') => {
                 // What comments and the like hold are no attributes, and their quotes need not match.
                 let skipped = [(&b"<!--"[..], &b"-->"[..]), (b"<![CDATA[", b"]]>"), (b"<?", b"?>")];

@@ -88,10 +88,12 @@ pub enum Shape {
         /// Length of the cylinder, without the half spheres.
         length: f64,
     },
-    /// The convex hull of points.
+    /// The convex hull of points, and all within a margin of it.
     Convex {
         /// The points.
         points: Vec<Point3<f64>>,
+        /// The margin; 0 for the hull itself.
+        margin: f64,
     },
 }
 

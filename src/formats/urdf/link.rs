@@ -99,7 +99,7 @@ fn mesh(mesh: Element<'_>, meshes: &mut Meshes) -> Result<Shape, UrdfError> {
     }
     let vertices = meshes.vertices(filename).map_err(|fault| mesh.error(fault))?;
     let scaled = |point: &Point3<f64>| Point3::from(point.coords.component_mul(&Vector3::from(scale)));
-    Ok(Shape::Convex { points: vertices.iter().map(scaled).collect() })
+    Ok(Shape::Convex { points: vertices.iter().map(scaled).collect(), margin: 0.0 })
 }
 
 /// The meshes of a description, each read once.

@@ -19,7 +19,7 @@ impl StatedRange {
     /// Whether limits are wanting: not stated, or from 0 to 0, as exporters write that do not know them.
     pub fn is_blank(&self) -> bool {
         let Limits { min, max } = self.bounds();
-        !self.continuous && !(min.is_finite() && max.is_finite())
+        !self.continuous && (min.is_infinite() || max.is_infinite())
     }
 
     /// The bounds that the description sets: both the limits and the soft ones hold. Infinite where there are none.

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use super::{ANGLE, Check, LENGTH, file_unit, si};
-use crate::formats::{Description, StatedRange, read_srdf_file, read_urdf_file};
+use crate::feasibility::{Simplified, simplify_hulls};
+use crate::formats::{Description, StatedRange, UrdfError, read_srdf_file, read_urdf_file};
 use crate::problem::document::KeyPath;
 use crate::problem::fault::{Allowed, Reason};
 use crate::problem::schema;
@@ -27,35 +28,7 @@ impl Check<'_, '_> {
             }
         }
         let X_FC = self.mount(&file.camera.mount);
-        let packages: Vec<PathBuf> = robot.package_folders.iter().map(|package| folder.join(package)).collect();
-        for (i, _) in packages.iter().enumerate().filter(|(_, package)| !package.is_dir()) {
-            let name = robot.package_folders[i].clone();
-            self.fault(&at.key("package_folders").at(i), Reason::NoFolder { name });
-        }
-        let path = folder.join(urdf);
-        let description = match read_urdf_file(&path, &packages) {
-            Ok(description) => description,
-            Err(error) => {
-                self.fault(&at.key("urdf"), Reason::RobotFile { path, error });
-                return None;
-            }
-        };
-        let Description { mut mechanism, ranges, stuck, notes, .. } = description;
-        for note in notes {
-            self.note(&at.key("urdf"), note.to_string());
-        }
-        if let Some(srdf) = &robot.srdf {
-            let path = folder.join(srdf);
-            match read_srdf_file(&path, &mechanism.tree) {
-                Ok((pairs, notes)) => {
-                    mechanism.tree.disabled = pairs;
-                    for note in notes {
-                        self.note(&at.key("srdf"), note.to_string());
-                    }
-                }
-                Err(error) => self.fault(&at.key("srdf"), Reason::RobotFile { path, error }),
-            }
-        }
+        let Description { mut mechanism, ranges, stuck, .. } = self.description(&at, robot, folder, urdf)?;
         let given = self.described_limits(&at, robot, &mut mechanism, &ranges);
         let held = self.held(&at, robot, &mechanism, &ranges, &given);
         let base_link = self.described_link(&at.key("base_link"), robot.base_link.as_deref(), &mechanism);
@@ -76,16 +49,9 @@ impl Check<'_, '_> {
         let assembly =
             Assembly { base_link, board_link: board_link.unwrap_or(base_link), camera_link: camera_link?, X_FC, held };
         let way = mechanism.between(assembly.board_link, assembly.camera_link);
-        let mut told = Vec::new();
-        for (link, error) in stuck {
-            if !way.contains(&link) {
-                self.note(&at.key("urdf"), format!("{error}. It is off the arm and stands as at 0"));
-            } else if !told.contains(&error) {
-                // A joint that mimics a stuck one is stuck for the same reason.
-                let reason = Reason::RobotFile { path: path.clone(), error: error.clone().into() };
-                self.fault(&at.key("urdf"), reason);
-                told.push(error);
-            }
+        self.stuck(&at, &folder.join(urdf), stuck, &way);
+        if self.faults.len() > faults {
+            return None;
         }
         let mut arm = mechanism.robot(&assembly);
         if arm.chain.joints.is_empty() {
@@ -94,21 +60,7 @@ impl Check<'_, '_> {
             self.fault(&camera_at, Reason::NothingMoves { camera_link, board_link });
             return None;
         }
-        let origins: Vec<(&Joint, &StatedRange, bool)> = arm
-            .chain
-            .joints
-            .iter()
-            .filter_map(|joint| {
-                let i = mechanism.joint(&joint.name)?;
-                Some((joint, &ranges[i], given[i]))
-            })
-            .collect();
-        self.blank_limits(&at, &origins);
-        for (joint, range, given) in origins {
-            if range.is_softened() && !given {
-                self.note(&at.key("urdf"), softened(joint, range));
-            }
-        }
+        self.limits_of_arm(&at, &arm.chain.joints, &mechanism, &ranges, &given);
         if self.faults.len() > faults {
             return None;
         }
@@ -117,6 +69,48 @@ impl Check<'_, '_> {
         let links = names.iter().enumerate().map(|(i, name)| (name.as_str(), i)).collect();
         self.carried(file, arm.X_FC, arm.camera_link, &links, &mut tree);
         Some(Robot { tree, ..arm })
+    }
+
+    /// The description of the robot, with the pairs of links that its SRDF names.
+    fn description(&mut self, at: &KeyPath, robot: &schema::Robot, folder: &Path, urdf: &str) -> Option<Description> {
+        let packages: Vec<PathBuf> = robot.package_folders.iter().map(|package| folder.join(package)).collect();
+        for (i, _) in packages.iter().enumerate().filter(|(_, package)| !package.is_dir()) {
+            let name = robot.package_folders[i].clone();
+            self.fault(&at.key("package_folders").at(i), Reason::NoFolder { name });
+        }
+        let path = folder.join(urdf);
+        let mut description = match read_urdf_file(&path, &packages) {
+            Ok(description) => description,
+            Err(error) => {
+                self.fault(&at.key("urdf"), Reason::RobotFile { path, error });
+                return None;
+            }
+        };
+        for note in &description.notes {
+            self.note(&at.key("urdf"), note.to_string());
+        }
+        let Simplified { hulls, before, after, margin } = simplify_hulls(&mut description.mechanism.tree);
+        if hulls > 0 {
+            let margin = (margin * 1e6).round() / 1e3;
+            let text = format!(
+                "the convex hulls of {hulls} meshes have {after} corners in place of {before} points; they hold all of them and \
+                 reach at most {margin} mm beyond"
+            );
+            self.note(&at.key("urdf"), text);
+        }
+        if let Some(srdf) = &robot.srdf {
+            let path = folder.join(srdf);
+            match read_srdf_file(&path, &description.mechanism.tree) {
+                Ok((pairs, notes)) => {
+                    description.mechanism.tree.disabled = pairs;
+                    for note in notes {
+                        self.note(&at.key("srdf"), note.to_string());
+                    }
+                }
+                Err(error) => self.fault(&at.key("srdf"), Reason::RobotFile { path, error }),
+            }
+        }
+        Some(description)
     }
 
     /// The link of that name, if one is given.
@@ -184,13 +178,41 @@ impl Check<'_, '_> {
         given
     }
 
-    /// Refuses to sweep joints whose limits nobody states.
-    fn blank_limits(&mut self, at: &KeyPath, joints: &[(&Joint, &StatedRange, bool)]) {
+    /// Refuses links that do not move as they should where they are on the `way` from the board to the camera.
+    fn stuck(&mut self, at: &KeyPath, path: &Path, stuck: Vec<(usize, UrdfError)>, way: &[usize]) {
+        let mut told = Vec::new();
+        for (link, error) in stuck {
+            if !way.contains(&link) {
+                self.note(&at.key("urdf"), format!("{error}. It is off the arm and stands as at 0"));
+            } else if !told.contains(&error) {
+                // A joint that mimics a stuck one is stuck for the same reason.
+                let reason = Reason::RobotFile { path: path.to_owned(), error: error.clone().into() };
+                self.fault(&at.key("urdf"), reason);
+                told.push(error);
+            }
+        }
+    }
+
+    /// Refuses to sweep joints whose limits nobody states, and notes those that move less than their limits say.
+    fn limits_of_arm(
+        &mut self,
+        at: &KeyPath,
+        joints: &[Joint],
+        mechanism: &Mechanism,
+        ranges: &[StatedRange],
+        given: &[bool],
+    ) {
+        let stated = |joint: &&Joint| mechanism.joint(&joint.name).filter(|&i| !given[i]).map(|i| ranges[i]);
         for (key, kind) in [("limits_deg", JointKind::Revolute), ("limits_mm", JointKind::Prismatic)] {
-            let blank = joints.iter().filter(|(joint, range, given)| joint.kind == kind && range.is_blank() && !given);
-            let joints: Vec<String> = blank.map(|(joint, ..)| joint.name.clone()).collect();
-            if !joints.is_empty() {
-                self.fault(&at.key(key), Reason::NoLimits { joints });
+            let blank = |joint: &&Joint| joint.kind == kind && stated(joint).is_some_and(|range| range.is_blank());
+            let blank: Vec<String> = joints.iter().filter(blank).map(|joint| joint.name.clone()).collect();
+            if !blank.is_empty() {
+                self.fault(&at.key(key), Reason::NoLimits { joints: blank });
+            }
+        }
+        for joint in joints {
+            if let Some(range) = stated(&joint).filter(StatedRange::is_softened) {
+                self.note(&at.key("urdf"), softened(joint, &range));
             }
         }
     }
