@@ -448,6 +448,27 @@ fn mistakes_on_the_arm_are_told_as_what_they_are() {
     insta::assert_snapshot!(drawings.map(Result::unwrap_err).join("\n"));
 }
 
+/// A joint without end is swept over one turn, and so is one whose range has several: every place of it once.
+#[test]
+fn joints_that_go_round_are_swept_once_round() {
+    let swept = |keys: &str| {
+        let robot = format!("{URDF}camera_link = \"wheel\"\n{keys}");
+        let problem = problem(&robot, "[sweep]\nstep_deg = 30").unwrap();
+        let values = (0..problem.space.len()).map(|id| problem.space.configuration(id)[0].to_degrees().round());
+        let joint = &problem.robot.chain.joints[0];
+        (values.collect::<Vec<_>>(), joint.limits.max.to_degrees().round(), notes(&problem))
+    };
+    let once: Vec<f64> = (0..12).map(|i| -180.0 + 30.0 * f64::from(i)).collect();
+    assert_eq!(swept(""), (once.clone(), 180.0, String::new()));
+    let (values, limit, note) = swept("limits_deg = { wheel_joint = [-360, 360] }");
+    assert_eq!((values, limit), (once, 360.0));
+    assert_eq!(
+        note,
+        "sweep: joint \"wheel_joint\" can turn through 720°; the turn from -180° to 180° is swept, which has every place of it\n"
+    );
+    assert_eq!(swept("limits_deg = { wheel_joint = [-90, 240] }").0.len(), 12);
+}
+
 /// Files made to take for ever, in time that a test has.
 #[test]
 fn endless_descriptions_are_refused() {

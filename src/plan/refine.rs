@@ -43,12 +43,12 @@ pub fn candidates(problem: &Problem, observe: &(dyn Fn(usize) + Sync)) -> Result
 /// Distance of neighbouring configurations along each joint: the grid's step, or for a sample of n in d joints the share
 /// n^(−1/d) of the joint's range.
 fn spacings(problem: &Problem) -> Vec<f64> {
-    let joints = &problem.robot.chain.joints;
     match &problem.space {
         JointSpace::Grid(grid) => grid.steps(),
-        JointSpace::Sample(_) => {
-            let share = (problem.space.len() as f64).powf(-1.0 / joints.len() as f64);
-            joints.iter().map(|joint| share * (joint.limits.max - joint.limits.min)).collect()
+        JointSpace::Sample(sample) => {
+            let limits = sample.limits();
+            let share = (problem.space.len() as f64).powf(-1.0 / limits.len() as f64);
+            limits.iter().map(|limits| share * (limits.max - limits.min)).collect()
         }
     }
 }

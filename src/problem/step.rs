@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use super::{Problem, most_configurations};
-use crate::robot::{JointKind, Limits};
+use crate::robot::JointKind;
 use crate::sweep::{JointGrid, JointSpace};
 
 /// Why a step makes no grid.
@@ -44,7 +44,6 @@ impl Problem {
             return Err(StepError::NotPositive { step });
         }
         let joints = &self.robot.chain.joints;
-        let limits: Vec<Limits> = joints.iter().map(|joint| joint.limits).collect();
         let mut steps = vec![step; joints.len()];
         for (i, joint) in joints.iter().enumerate().filter(|(_, joint)| joint.kind == JointKind::Prismatic) {
             steps[i] = match &self.space {
@@ -52,7 +51,7 @@ impl Problem {
                 JointSpace::Sample(_) => return Err(StepError::Prismatic { joint: joint.name.clone() }),
             };
         }
-        let grid = JointGrid::new(&limits, &steps);
+        let grid = JointGrid::new(&self.robot.spans(), &steps);
         let (configurations, most) = (grid.len(), most_configurations(self.axis));
         if configurations > most {
             return Err(StepError::TooManyConfigurations { step, configurations, most });

@@ -43,7 +43,7 @@ impl Default for ReachSettings {
 /// A configuration at, or nearest to, a wished pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reached {
-    /// Joint values, rad or m, within their limits.
+    /// Joint values, rad or m, within their limits; of those that are one place, the nearest to 0.
     pub q: Vec<f64>,
     /// Distance in m from the wished position.
     pub position_error: f64,
@@ -185,6 +185,7 @@ fn descend(robot: &Robot, wished: &Pose, start: &[f64], settings: &ReachSettings
             break;
         }
     }
+    robot.unwind(&mut q);
     let position_error = (wished.translation.vector - X.translation.vector).norm();
     let angle_error = e.fixed_rows::<3>(0).norm();
     let reached = position_error <= settings.position_tolerance && angle_error <= settings.angle_tolerance;

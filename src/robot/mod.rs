@@ -5,12 +5,14 @@ pub mod dh;
 mod inverse;
 mod mechanism;
 mod tree;
+mod turn;
 
 pub(crate) use chain::product;
 pub use chain::{Chain, Joint, JointKind, Limits, Stage};
 pub use inverse::{ReachSettings, Reached, Starts, reach};
 pub use mechanism::{Assembly, Mechanism};
 pub use tree::{Body, Link, Motion, PointMass, Shape, Tree};
+pub use turn::Span;
 
 use nalgebra::{Matrix6xX, Vector3, Vector6};
 

@@ -1,6 +1,6 @@
 //! The joint configurations that a sweep visits.
 
-use crate::robot::Limits;
+use crate::robot::{Limits, Span};
 
 /// A finite set of joint configurations, numbered from 0.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,7 +11,8 @@ pub enum JointSpace {
     Sample(HaltonSample),
 }
 
-/// The grid `q = min + j·step, j = 0 … floor((max − min) / step)` of every joint; the last joint runs fastest.
+/// The grid `q = min + j·step, j = 0 … floor((max − min) / step)` of every joint; the last joint runs fastest. Where a joint's ends
+/// are one place, only the first of them belongs to the grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointGrid {
     joints: Vec<Axis>,
@@ -55,13 +56,16 @@ impl JointSpace {
 }
 
 impl JointGrid {
-    /// The grid of joints with these limits and steps (rad or m, positive), one pair per joint.
+    /// The grid over what the joints reach, with these steps (rad or m, positive), one per joint.
     ///
-    /// Both ends belong to the grid where the step divides the range, rounding errors of 10⁻⁹ steps forgiven.
-    pub fn new(limits: &[Limits], steps: &[f64]) -> Self {
-        let joints = limits.iter().zip(steps).map(|(limits, &step)| {
-            let count = ((limits.max - limits.min) / step + 1e-9).floor() as usize + 1;
-            Axis { min: limits.min, step, count }
+    /// Both ends belong to the grid where the step divides the range, rounding errors of 10⁻⁹ steps forgiven, and they are not one
+    /// place.
+    pub fn new(spans: &[Span], steps: &[f64]) -> Self {
+        let joints = spans.iter().zip(steps).map(|(Span { limits, is_turn }, &step)| {
+            let steps = (limits.max - limits.min) / step;
+            let last = (steps + 1e-9).floor();
+            let again = *is_turn && last > 0.0 && (steps - last).abs() <= 1e-9;
+            Axis { min: limits.min, step, count: last as usize + usize::from(!again) }
         });
         Self { joints: joints.collect() }
     }
@@ -110,6 +114,11 @@ impl HaltonSample {
         Self { limits: limits.to_vec(), len }
     }
 
+    /// Limits of each joint.
+    pub fn limits(&self) -> &[Limits] {
+        &self.limits
+    }
+
     /// Joint values of point `id`.
     pub fn configuration(&self, id: usize) -> Vec<f64> {
         // The first points of the larger bases rise together; skipping past the largest base breaks that up.
@@ -139,9 +148,14 @@ mod tests {
         Limits { min: min.to_radians(), max: max.to_radians() }
     }
 
+    fn grid(limits: &[Limits], steps: &[f64]) -> JointGrid {
+        let spans: Vec<Span> = limits.iter().map(|&limits| Span { limits, is_turn: false }).collect();
+        JointGrid::new(&spans, steps)
+    }
+
     #[test]
     fn both_ends_belong_to_the_grid_when_the_step_divides_the_range() {
-        let grid = JointGrid::new(&[degrees(-0.3, 0.3), degrees(0.0, 10.0)], &[0.1f64.to_radians(), 4f64.to_radians()]);
+        let grid = grid(&[degrees(-0.3, 0.3), degrees(0.0, 10.0)], &[0.1f64.to_radians(), 4f64.to_radians()]);
         assert_eq!(grid.counts(), [7, 3]);
         assert!((grid.configuration(20)[0] - 0.3f64.to_radians()).abs() < 1e-15);
         assert!((grid.configuration(20)[1] - 8f64.to_radians()).abs() < 1e-15);
@@ -150,7 +164,16 @@ mod tests {
 
     #[test]
     fn a_fixed_joint_has_one_value() {
-        assert_eq!(JointGrid::new(&[degrees(5.0, 5.0)], &[1.0]).counts(), [1]);
+        assert_eq!(grid(&[degrees(5.0, 5.0)], &[1.0]).counts(), [1]);
+    }
+
+    #[test]
+    fn a_whole_turn_has_its_first_place_once() {
+        let turn = Span { limits: Limits::FULL_TURN, is_turn: true };
+        let counts = |degrees: f64| JointGrid::new(&[turn], &[degrees.to_radians()]).counts()[0];
+        // At 7° the last value is 3° short of the first; at 400° there is only one.
+        assert_eq!([10.0, 7.0, 0.1, 360.0, 400.0].map(counts), [36, 52, 3600, 1, 1]);
+        assert_eq!(grid(&[Limits::FULL_TURN], &[10f64.to_radians()]).counts(), [37]);
     }
 
     /// The paper's table III: Q of 20°, 10° and 8°.
@@ -158,7 +181,7 @@ mod tests {
     fn servosila_grid_sizes() {
         let limits = [degrees(-214.2, 137.3), degrees(-16.4, 114.2), degrees(-216.9, 0.0), degrees(0.0, 188.8)];
         for (step, size) in [(20.0, 13_860), (10.0, 210_672), (8.0, 502_656)] {
-            assert_eq!(JointGrid::new(&limits, &[f64::to_radians(step); 4]).len(), size);
+            assert_eq!(grid(&limits, &[f64::to_radians(step); 4]).len(), size);
         }
     }
 

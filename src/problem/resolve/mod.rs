@@ -70,7 +70,7 @@ pub(super) fn resolve(
     let constraints = check.constraints(&file.constraints, joints);
     check.unconstrained_method(&selection, &constraints);
     // The size of the sweep means something only once the limits do.
-    let space = robot.as_ref().and_then(|robot| check.space(&file.sweep, &robot.chain.joints));
+    let space = robot.as_ref().and_then(|robot| check.space(&file.sweep, robot));
     let published = check.published(&file.sweep);
     let joints = robot.as_ref().map(|robot| robot.chain.joints.as_slice()).unwrap_or_default();
     let refinement = check.refinement(&file.sweep, joints);

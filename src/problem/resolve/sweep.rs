@@ -1,11 +1,11 @@
 //! The joint configurations to sweep.
 
-use super::Check;
+use super::{Check, file_unit};
 use crate::problem::document::KeyPath;
 use crate::problem::fault::{Allowed, Reason};
 use crate::problem::shape::NumberOrList;
 use crate::problem::{PublishedSweep, Refinement, most_configurations, schema};
-use crate::robot::{Joint, JointKind, Limits};
+use crate::robot::{Joint, JointKind, Limits, Robot, Span};
 use crate::sweep::{HaltonSample, JointGrid, JointSpace};
 
 /// Steps in degrees and mm. The least is far below any encoder's and keeps the counts within range.
@@ -17,10 +17,12 @@ const DEFAULT_REFINEMENT: u64 = 20_000;
 
 impl Check<'_, '_> {
     /// The configurations, or none if something is wrong with them.
-    pub(super) fn space(&mut self, sweep: &schema::Sweep, joints: &[Joint]) -> Option<JointSpace> {
+    pub(super) fn space(&mut self, sweep: &schema::Sweep, robot: &Robot) -> Option<JointSpace> {
         let faults = self.faults.len();
         let at = KeyPath::section("sweep");
-        let limits: Vec<Limits> = joints.iter().map(|joint| joint.limits).collect();
+        let joints = &robot.chain.joints;
+        let spans = robot.spans();
+        self.turns(&at, joints, &spans);
         let (path, space) = if sweep.step_deg.is_none() && sweep.step_mm.is_none() {
             let path = at.key("sample");
             let len = sweep.sample.unwrap_or(DEFAULT_SAMPLE);
@@ -32,6 +34,7 @@ impl Check<'_, '_> {
                 self.fault(&path, reason);
                 return None;
             }
+            let limits: Vec<Limits> = spans.iter().map(|span| span.limits).collect();
             (path, JointSpace::Sample(HaltonSample::new(&limits, len as usize)))
         } else {
             if sweep.sample.is_some() {
@@ -45,13 +48,26 @@ impl Check<'_, '_> {
                 return None;
             }
             let path = at.key(if sweep.step_deg.is_some() { "step_deg" } else { "step_mm" });
-            (path, JointSpace::Grid(JointGrid::new(&limits, &steps)))
+            (path, JointSpace::Grid(JointGrid::new(&spans, &steps)))
         };
         let most = most_configurations(sweep.axis.0);
         if space.len() > most {
             self.fault(&path, Reason::TooManyConfigurations { configurations: space.len(), most });
         }
         (self.faults.len() == faults).then_some(space)
+    }
+
+    /// Notes which joints are swept over one turn of several.
+    fn turns(&mut self, at: &KeyPath, joints: &[Joint], spans: &[Span]) {
+        for (joint, span) in joints.iter().zip(spans).filter(|(joint, span)| span.limits != joint.limits) {
+            let [from, to] = [span.limits.min, span.limits.max].map(|limit| file_unit(joint.kind, limit));
+            let range = file_unit(joint.kind, joint.limits.max - joint.limits.min);
+            let text = format!(
+                "joint \"{}\" can turn through {range}°; the turn from {from}° to {to}° is swept, which has every place of it",
+                joint.name
+            );
+            self.note(at, text);
+        }
     }
 
     /// The rounds of refinement.
