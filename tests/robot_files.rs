@@ -5,8 +5,9 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
+use calipose::feasibility::feasible_views;
 use calipose::formats::{Description, read_srdf, read_urdf};
-use calipose::problem::Problem;
+use calipose::problem::{Problem, draft};
 use calipose::robot::{JointKind, Motion, Shape, Stage};
 use calipose::spatial::Pose;
 use calipose::sweep::sweep;
@@ -467,6 +468,44 @@ fn joints_that_go_round_are_swept_once_round() {
         "sweep: joint \"wheel_joint\" can turn through 720°; the turn from -180° to 180° is swept, which has every place of it\n"
     );
     assert_eq!(swept("limits_deg = { wheel_joint = [-90, 240] }").0.len(), 12);
+}
+
+/// What `init --urdf` writes is a valid problem of the file's name, on which the guessed camera sees the guessed board.
+#[test]
+fn drafts_from_descriptions_are_problems() {
+    let urdf = changed(&[NO_LIMITS, ZERO_LIMITS, ("<link name=\"tool\">", "<link name=\"tool\"><visual/>")]);
+    let urdf = urdf.replace("\"tool\"", "\"wrist camera_link\"");
+    let folder = folder(&urdf);
+    let own = folder.path().join("robot/robot.urdf");
+    let shipped = |name: &str| Path::new("problems/urdf").join(name);
+    for (urdf, camera, joints) in [
+        (own.clone(), "wrist camera_link", 2),
+        (shipped("six-axis-rover.urdf"), "camera_optical_frame", 6),
+        (shipped("seven-axis-carrier.urdf"), "camera_optical_frame", 7),
+    ] {
+        let file = folder.path().join("my-arm.toml");
+        let text = draft(&urdf, &file).unwrap();
+        let problem = Problem::parse(&text, &file).unwrap_or_else(|error| panic!("{error:?}\n{text}"));
+        let robot = &problem.robot;
+        assert_eq!((problem.name.as_str(), robot.tree.links[robot.camera_link].name.as_str()), ("my-arm", camera));
+        assert_eq!(robot.chain.dof(), joints);
+        let ids: Vec<usize> = (0..2000).collect();
+        let (views, rejected) = feasible_views(&problem.checks(), &problem.space, &ids);
+        assert!(!views.is_empty(), "{rejected:?}\n{text}");
+    }
+    let text = draft(&own, &folder.path().join("my-arm.toml")).unwrap();
+    for line in
+        ["urdf = \"robot/robot.urdf\"", "limits_deg = { turn = [-180, 180] }", "limits_mm = { slide = [0, 100] }"]
+    {
+        assert!(text.contains(line), "{text}");
+    }
+    // Wrong input.
+    let refused = |text: &str| {
+        std::fs::write(&own, text).unwrap();
+        draft(&own, &folder.path().join("a.toml")).unwrap_err().to_string()
+    };
+    assert_eq!(refused("<robot name=\"r\"><link name=\"base\"/></robot>"), "no joint of the robot can move a camera");
+    assert_eq!(refused("<sdf/>"), "line 1: the outermost element is <sdf>; it must be <robot>");
 }
 
 /// Files made to take for ever, in time that a test has.

@@ -10,7 +10,7 @@ use super::screen::short;
 use crate::calibration::CalibrationError;
 use crate::formats::{FileReadError, ReadError, ReadFault};
 use crate::plan::{CertifyError, ConstraintError, FileError, PlanError, SurveyError, VerifyError};
-use crate::problem::ProblemError;
+use crate::problem::{DraftError, ProblemError};
 use crate::selection::SelectionError;
 
 /// Anything a command can fail with.
@@ -45,6 +45,9 @@ pub(super) enum Failure {
     )]
     #[diagnostic(help("{}", unreached_help(*joints)))]
     Unreached { position_error: f64, angle_error: f64, joints: usize },
+    #[error("{}: {error}", path.display())]
+    #[diagnostic(help("{}", draft_help(error)))]
+    Draft { path: PathBuf, error: DraftError },
     #[error("{} exists already", .0.display())]
     #[diagnostic(help("give another name, or remove the file first"))]
     Exists(PathBuf),
@@ -67,7 +70,7 @@ impl Failure {
             } => 2,
             // The nearest configuration was shown.
             Failure::Unreached { .. } => 4,
-            Failure::Problem(_) | Failure::PlanFile { .. } | Failure::Observations { .. } => 3,
+            Failure::Problem(_) | Failure::Draft { .. } | Failure::PlanFile { .. } | Failure::Observations { .. } => 3,
             _ => 1,
         }
     }
@@ -134,6 +137,14 @@ fn plan_help(error: &PlanError) -> String {
         PlanError::Selection(_) | PlanError::Clustering(_) => "this is probably a bug; please report it",
     };
     help.into()
+}
+
+fn draft_help(error: &DraftError) -> &'static str {
+    match error {
+        DraftError::File(FileReadError::Robot(error)) if !error.is_of_another_file() => "correct the file in that line",
+        DraftError::File(_) => "--urdf takes the robot's URDF file, expanded if it is xacro",
+        DraftError::Still => "all joints of the URDF are fixed; name the file of the whole robot",
+    }
 }
 
 fn observations_help(error: &FileReadError) -> &'static str {

@@ -8,17 +8,26 @@ use super::WRITING;
 use super::failure::Failure;
 use super::screen::Screen;
 use crate::plan::write_atomically;
-use crate::problem::{STARTER, schema_json};
+use crate::problem::{STARTER, draft, schema_json};
 
-pub(super) fn run(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
+pub(super) fn run(file: Option<&Path>, urdf: Option<&Path>, screen: &mut Screen) -> Result<(), Failure> {
+    // A draft is called as the robot that it is of.
+    let named = urdf.map(|urdf| Path::new(urdf.file_name().unwrap_or_default()).with_extension("toml"));
+    let file = file.or(named.as_deref()).unwrap_or(Path::new("problem.toml"));
     if file.exists() {
         return Err(Failure::Exists(file.to_owned()));
     }
+    let text = match urdf {
+        None => STARTER.to_owned(),
+        Some(urdf) => draft(urdf, file).map_err(|error| Failure::Draft { path: urdf.to_owned(), error })?,
+    };
     let writing = WRITING.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    write_atomically(file, STARTER.as_bytes())?;
+    write_atomically(file, text.as_bytes())?;
     drop(writing);
     screen.document(&json!({ "format": "calipose.init", "version": 1, "file": file }).to_string())?;
-    screen.text(&format!("Written {0}. Edit it, then:\n  calipose check {0}\n  calipose plan {0}", file.display()))
+    let edit =
+        if urdf.is_some() { "Check its lines that say GUESS, replace those that say FILL IN" } else { "Edit it" };
+    screen.text(&format!("Written {0}. {edit}, then:\n  calipose check {0}\n  calipose plan {0}", file.display()))
 }
 
 pub(super) fn schema(_screen: &mut Screen) -> Result<(), Failure> {

@@ -89,11 +89,13 @@ enum Command {
         /// Problem file
         file: PathBuf,
     },
-    /// Write a commented starter problem file
+    /// Write a commented starter problem file, or one drafted from a robot's URDF
     Init {
-        /// Where to write it
-        #[arg(default_value = "problem.toml")]
-        file: PathBuf,
+        /// Where to write it [default: problem.toml, or the URDF's name with .toml]
+        file: Option<PathBuf>,
+        /// URDF of the robot: the file is filled in from it, with guesses to be checked
+        #[arg(long, value_name = "URDF")]
+        urdf: Option<PathBuf>,
     },
     /// Print the JSON Schema of problem files, for editors
     Schema,
@@ -191,7 +193,7 @@ fn run(command: &Command, screen: &mut Screen) -> Result<Verdict, Failure> {
         Command::Next(arguments) => next::run(arguments, screen),
         Command::Reach(arguments) => reach::run(arguments, screen).map(good),
         Command::Check { file } => check::run(file, screen).map(good),
-        Command::Init { file } => init::run(file, screen).map(good),
+        Command::Init { file, urdf } => init::run(file.as_deref(), urdf.as_deref(), screen).map(good),
         Command::Schema => init::schema(screen).map(good),
     }
 }

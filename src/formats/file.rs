@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 use super::{
-    Description, Detections, ReadError, Stated, StatedCamera, UrdfError, UrdfNote, outline_urdf, read_camera, read_detections,
-    read_srdf, read_urdf,
+    Description, Detections, Outline, ReadError, Stated, StatedCamera, UrdfError, UrdfNote, outline_urdf, read_camera,
+    read_detections, read_srdf, read_urdf,
 };
 use crate::camera::Camera;
 use crate::robot::Tree;
@@ -74,11 +74,11 @@ pub fn read_urdf_file(path: &Path, package_folders: &[PathBuf]) -> Result<Descri
     Ok(read_urdf(&text(path)?, path.parent().unwrap_or(Path::new("")), package_folders)?)
 }
 
-/// The robot of the URDF file at `path` without its bodies, and its meshes' names; see [`outline_urdf`].
+/// The robot of the URDF file at `path` without its bodies; see [`outline_urdf`].
 ///
 /// # Errors
 /// When the file cannot be read or describes no robot.
-pub fn outline_urdf_file(path: &Path) -> Result<(Description, Vec<String>), FileReadError> {
+pub fn outline_urdf_file(path: &Path) -> Result<Outline, FileReadError> {
     Ok(outline_urdf(&text(path)?)?)
 }
 

@@ -43,5 +43,5 @@ pub use file::{
 };
 pub use mesh::{MeshError, read_mesh};
 pub use urdf::{
-    Description, StatedRange, UrdfError, UrdfFault, UrdfNote, UrdfRemark, outline_urdf, read_srdf, read_urdf,
+    Description, Outline, StatedRange, UrdfError, UrdfFault, UrdfNote, UrdfRemark, outline_urdf, read_srdf, read_urdf,
 };

@@ -6,6 +6,7 @@
 mod bodies;
 mod choosing;
 mod document;
+mod draft;
 mod error;
 mod fault;
 mod json_schema;
@@ -17,6 +18,7 @@ mod shape;
 mod step;
 mod syntax;
 
+pub use draft::{DraftError, draft};
 pub use error::ProblemError;
 pub use fault::{Allowed, Fault, Reason};
 pub use json_schema::schema_json;

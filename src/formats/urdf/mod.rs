@@ -59,18 +59,30 @@ pub fn read_urdf(text: &str, folder: &Path, package_folders: &[PathBuf]) -> Resu
     described(text, &mut |link, notes| link::bodies(link, &mut meshes, notes))
 }
 
-/// As [`read_urdf`], without the robot's bodies and so without its meshes, and the files that these are named by.
+/// A robot description without the robot's bodies.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outline {
+    /// The robot; no link has a body.
+    pub description: Description,
+    /// How many `<collision>` elements were passed over.
+    pub collisions: usize,
+    /// The files that their meshes are named by.
+    pub meshes: Vec<String>,
+}
+
+/// As [`read_urdf`], without the robot's bodies and so without its meshes.
 ///
 /// # Errors
 /// When the text is not the URDF of a tree of links.
-pub fn outline_urdf(text: &str) -> Result<(Description, Vec<String>), UrdfError> {
-    let mut meshes = Vec::new();
+pub fn outline_urdf(text: &str) -> Result<Outline, UrdfError> {
+    let (mut collisions, mut meshes) = (0, Vec::new());
     let description = described(text, &mut |link, _| {
+        collisions += link.all("collision").count();
         let shapes = link.all("collision").filter_map(|collision| collision.child("geometry")?.child("mesh"));
         meshes.extend(shapes.filter_map(|mesh| mesh.attribute("filename")).map(str::to_owned));
         Ok(Vec::new())
     })?;
-    Ok((description, meshes))
+    Ok(Outline { description, collisions, meshes })
 }
 
 /// The bodies of a link, and notes about them.
