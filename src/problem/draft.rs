@@ -90,7 +90,7 @@ fn camera_link(mechanism: &Mechanism, base: usize) -> Option<usize> {
     let rank = |link: usize| {
         let name = mechanism.tree.links[link].name.to_lowercase();
         let speaks = |parts: &&[&str]| parts.iter().any(|part| name.contains(part));
-        CAMERA_NAMES.iter().position(|parts| speaks(&parts)).unwrap_or(CAMERA_NAMES.len())
+        CAMERA_NAMES.iter().position(speaks).unwrap_or(CAMERA_NAMES.len())
     };
     let links = (0..mechanism.tree.links.len()).map(|link| (link, moving(mechanism, base, link)));
     let moved = links.filter(|&(_, joints)| joints > 0);

@@ -1,4 +1,5 @@
-"""Holds calipose's reading of URDF against pinocchio: link poses, centres of mass, and the extent of collision meshes.
+"""Holds calipose's reading of URDF against pinocchio: link poses, centres of mass, and the extent of collision meshes; and the limits
+of joints, soft ones included, against the XML.
 
     python -m venv env
     env/bin/pip install pin==4.1.0 example-robot-data==6.0.0
@@ -53,6 +54,7 @@ class Reference:
         self.links = [(f.name, i) for i, f in enumerate(self.model.frames) if f.type == pin.FrameType.BODY and f.name != "universe"]
         self.mimic = {}
         self.limits = {}
+        self.allowed = {}
         for joint in xml.etree.ElementTree.parse(path).getroot().findall("joint"):
             kind, name = joint.get("type"), joint.get("name")
             if kind == "fixed":
@@ -65,6 +67,17 @@ class Reference:
             else:
                 limit = joint.find("limit")
                 self.limits[name] = (float(limit.get("lower", 0)), float(limit.get("upper", 0)))
+            if name in self.limits:
+                self.allowed[name] = self.softened(name, joint.find("safety_controller"))
+
+    def softened(self, name, controller):
+        """The limits and those of the safety controller, where it has some, whichever are tighter."""
+        lower, upper = self.limits[name]
+        if controller is not None:
+            soft_lower, soft_upper = (float(controller.get(f"soft_{end}_limit", 0)) for end in ("lower", "upper"))
+            if soft_lower or soft_upper:
+                return max(lower, soft_lower), min(upper, soft_upper)
+        return lower, upper
 
     def mesh_bounds(self, path):
         """Least and greatest coordinates of the collision meshes of each link, in the link's frame."""
@@ -112,6 +125,10 @@ def compare(path, configurations):
     if run.returncode:
         sys.exit(f"{path}: {run.stderr}")
     ours = json.loads(run.stdout)
+    for joint in ours["joints"]:
+        expected = reference.allowed[joint["name"]]
+        if not np.allclose([joint["min"], joint["max"]], expected, rtol=0, atol=TOLERANCE):
+            sys.exit(f"{path}: joint {joint['name']} has the limits {joint['min']} to {joint['max']}, not {expected}")
     place = {name: i for i, name in enumerate(ours["links"])}
     missing = {name for name, _ in reference.links} ^ set(place)
     if missing:
