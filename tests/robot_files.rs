@@ -481,7 +481,7 @@ fn drafts_from_descriptions_are_problems() {
     for (urdf, camera, joints) in [
         (own.clone(), "wrist camera_link", 2),
         (shipped("six-axis-rover.urdf"), "camera_optical_frame", 6),
-        (shipped("seven-axis-carrier.urdf"), "camera_optical_frame", 7),
+        (shipped("seven-axis-carrier.urdf"), "camera_optical_frame", 8),
     ] {
         let file = folder.path().join("my-arm.toml");
         let text = draft(&urdf, &file).unwrap();
