@@ -15,6 +15,8 @@ pub struct Span {
 
 /// Ranges that miss a whole turn by less than this, in rad, are one: 360° is no binary fraction of a rad.
 const ROUNDING: f64 = 1e-9;
+/// Ranges that pass a whole turn by less than this are one as they stand: descriptions write ±3.1416.
+const OVERLAP: f64 = 1e-3;
 
 impl Limits {
     /// The turn nearest to 0 in the range, if it holds one.
@@ -23,7 +25,7 @@ impl Limits {
         if max - min < TAU - ROUNDING {
             return None;
         }
-        if max - min <= TAU + ROUNDING {
+        if max - min <= TAU + OVERLAP {
             return Some(*self);
         }
         let middle = 0f64.max(min + PI).min(max - PI);
@@ -92,6 +94,7 @@ mod tests {
         assert_eq!(swept(revolute, [-100.0, 400.0]), ([-100.0, 260.0], true));
         assert_eq!(swept(revolute, [200.0, 900.0]), ([200.0, 560.0], true));
         assert_eq!(swept(revolute, [-180.0, 180.0]), ([-180.0, 180.0], true));
+        assert_eq!(swept(revolute, [-180.001, 180.001]), ([-180.001, 180.001], true));
         assert_eq!(swept(revolute, [-179.0, 180.0]), ([-179.0, 180.0], false));
         assert_eq!(swept(JointKind::Prismatic, [-360.0, 360.0]), ([-360.0, 360.0], false));
     }

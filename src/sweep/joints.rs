@@ -1,5 +1,7 @@
 //! The joint configurations that a sweep visits.
 
+use std::f64::consts::TAU;
+
 use crate::robot::{Limits, Span};
 
 /// A finite set of joint configurations, numbered from 0.
@@ -62,9 +64,8 @@ impl JointGrid {
     /// place.
     pub fn new(spans: &[Span], steps: &[f64]) -> Self {
         let joints = spans.iter().zip(steps).map(|(Span { limits, is_turn }, &step)| {
-            let steps = (limits.max - limits.min) / step;
-            let last = (steps + 1e-9).floor();
-            let again = *is_turn && last > 0.0 && (steps - last).abs() <= 1e-9;
+            let last = ((limits.max - limits.min) / step + 1e-9).floor();
+            let again = *is_turn && last * step > TAU - 1e-9;
             Axis { min: limits.min, step, count: last as usize + usize::from(!again) }
         });
         Self { joints: joints.collect() }
