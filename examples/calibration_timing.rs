@@ -28,7 +28,7 @@ fn main() {
         };
         let corner = |(index, pixel): (usize, &Value)| {
             let pixel = pixel.as_array()?;
-            Some(Corner { index, pixel: Vector2::from_fn(|i, _| pixel[i].as_f64().unwrap() * unit) })
+            Some(Corner { index, pixel: Vector2::from_fn(|i, _| pixel[i].as_f64().unwrap() * unit), weight: 1.0 })
         };
         let views: Vec<View> = set["views"]
             .as_array()

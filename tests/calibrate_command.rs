@@ -161,7 +161,7 @@ fn a_problem_file_says_board_lens_and_what_to_estimate() {
 fn wrong_detections_are_refused_with_line_and_value() {
     let observations = simulated();
     let text = vnl(&observations);
-    let stated = Stated { board: Some(BOARD), image: Some([1280, 720]) };
+    let stated = Stated { board: Some(BOARD), image: Some([1280, 720]), images: None };
     let rows: Vec<&str> = text.lines().collect();
     let lines = |lines: &[&str]| lines.join("\n");
     let with = |line: usize, row: &str| {
@@ -180,7 +180,10 @@ fn wrong_detections_are_refused_with_line_and_value() {
         ("empty", String::new()),
         ("header only", lines(&rows[..2])),
         ("no header", lines(&rows[2..])),
-        ("other header", with(2, "# filename x y weight")),
+        ("other header", with(2, "# filename x y size")),
+        ("weight too large", text.replace("x y level", "x y weight").replace(" 0\n", " 1e9\n")),
+        ("no detection by weight", text.replace("x y level", "x y weight")),
+        ("absurd level", text.replace(" 0\n", " 50\n")),
         ("cut within an image", lines(&rows[..80])),
         ("cut within a line", with(80, "1.png 640")),
         ("not a number", with(20, "0.png 640 wide 0")),
@@ -237,10 +240,228 @@ fn exit_codes_tell_the_file_from_the_command_line() {
         run(&["corners.vnl", "--board", "6x8", "--square-mm", "35", "--image", "640x480"]),
         run(&["corners.vnl", "--board", "7x6", "--square-mm", "35", "--image", "1280x720"]),
         run(&["corners.vnl", "--board", "8"]),
-        run(&with("few.vnl", &[]).split(' ').collect::<Vec<_>>()),
+        run(&with("few.vnl", &["--lens", "none"]).split(' ').collect::<Vec<_>>()),
         run(&with("corners.vnl", &["--lens", "kannala-brandt", "--camera-format", "mrcal"])
             .split(' ')
             .collect::<Vec<_>>()),
     ];
     insta::assert_snapshot!(answers.join("\n"));
+}
+
+/// The observations with the corners of some views listed column by column.
+fn by_columns(observations: &Observations, swapped: &dyn Fn(usize) -> bool) -> String {
+    let mut text = "# filename x y\n".to_owned();
+    for view in 0..observations.views().len() {
+        let grid = grid(observations, view);
+        for n in 0..48 {
+            let index = if swapped(view) { 8 * (n % 6) + n / 6 } else { n };
+            text += &match grid[index] {
+                Some([u, v]) => format!("{view}.png {u} {v}\n"),
+                None => format!("{view}.png - -\n"),
+            };
+        }
+    }
+    text
+}
+
+#[test]
+fn swapped_rows_and_columns_are_said_with_the_views() {
+    let folder = tempfile::tempdir().unwrap();
+    let observations = simulated();
+    let answer = |text: String, board: &str| {
+        std::fs::write(folder.path().join("corners.vnl"), text).unwrap();
+        let options = ["corners.vnl", "--board", board, "--square-mm", "35", "--image", "1280x720"];
+        let output = calibrate(folder.path(), &options);
+        assert_eq!(output.status.code(), Some(1));
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let answers = [
+        answer(by_columns(&observations, &|view| view == 3 || view == 11), "8x6"),
+        answer(by_columns(&observations, &|_| true), "8x6"),
+        answer(by_columns(&observations, &|_| false), "6x8"),
+        answer(by_columns(&observations, &|view| view != 5), "8x6"),
+    ];
+    insta::assert_snapshot!(answers.join("\n"));
+}
+
+#[test]
+fn intrinsics_are_held_and_tied_as_told() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("corners.json"), document(&simulated()).to_string()).unwrap();
+    let run = |line: &str| calibrated(folder.path(), &line.split(' ').collect::<Vec<_>>());
+    let number = |value: &Value| value.as_f64().unwrap();
+    let found = run("corners.json --tie fx=fy --zero-tangential --fix k3 --fix cx=645.5");
+    let (values, sigma) = (&found["intrinsics"]["values"], &found["intrinsics"]["sigma"]);
+    assert_eq!(found["estimated"], json!(["fx", "fy", "cy", "k1", "k2"]));
+    assert_eq!(found["tied"], json!([["fx", "fy"]]));
+    assert_eq!(values[0], values[1]);
+    assert_eq!([2, 6, 7, 8].map(|i| number(&values[i])), [645.5, 0.0, 0.0, 0.0]);
+    assert_eq!([2, 6, 7, 8].map(|i| number(&sigma[i])), [0.0; 4]);
+    assert_eq!(found["covariance"].as_array().unwrap().len(), 5);
+    assert_eq!(found["covariance"][0], found["covariance"][1]);
+    let named = run("corners.json --estimate fx,fy,k1 --fix k3=0.01,k2=0.05");
+    assert_eq!(named["estimated"], json!(["fx", "fy", "k1"]));
+    // Held without a value: the image's centre, no distortion.
+    assert_eq!([2, 3, 5, 6].map(|i| number(&named["intrinsics"]["values"][i])), [639.5, 359.5, 0.05, 0.0]);
+    let text = calibrate(folder.path(), &["corners.json", "--tie", "fx=fy", "--fix", "k3"]).stdout;
+    let text = String::from_utf8(text).unwrap();
+    assert!(text.contains(" = fx\n") && text.contains("fixed\n"), "{text}");
+
+    for (line, answer) in [
+        ("--fix k9", "the lens brown-conrady has no intrinsic `k9`; it has fx fy cx cy k1 k2 p1 p2 k3"),
+        ("--fix k3=wide", "`wide` is no number"),
+        ("--fix fx", "nothing says what fx is held at"),
+        ("--estimate fx,fy --fix fy=900", "fy is to be estimated and to be held"),
+        ("--estimate k1", "nothing says what fx is held at"),
+        ("--fix fy=900 --tie fx=fy", "fy is not estimated"),
+        ("--tie fx", "give two intrinsics"),
+        ("--lens kannala-brandt --zero-tangential", "has no intrinsic `p1`"),
+    ] {
+        let output = calibrate(folder.path(), &["corners.json"].into_iter().chain(line.split(' ')).collect::<Vec<_>>());
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(2) && said.contains(answer), "{line}: {said}");
+    }
+}
+
+const FISHEYE: [&str; 7] = ["circular-fisheye.vnl", "--board", "7x6", "--square-mm", "25", "--image", "1280x1024"];
+
+/// A folder with the corners of tests/data/corners.
+fn real_corners() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for entry in std::fs::read_dir("tests/data/corners").unwrap() {
+        let entry = entry.unwrap();
+        std::fs::copy(entry.path(), folder.path().join(entry.file_name())).unwrap();
+    }
+    folder
+}
+
+#[test]
+fn the_lens_that_fits_is_named_where_the_one_asked_for_does_not() {
+    let folder = real_corners();
+    let answer = |more: &[&str]| {
+        let output = calibrate(folder.path(), &[&FISHEYE[..], more].concat());
+        (output.status.code(), String::from_utf8(output.stdout).unwrap() + &String::from_utf8(output.stderr).unwrap())
+    };
+    let (code, text) = answer(&[]);
+    assert!(code == Some(1) && text.contains("take `--lens kannala-brandt`"), "{text}");
+    let (code, text) = answer(&["--lens", "none"]);
+    assert!(code != Some(0) && text.contains("`--lens kannala-brandt`"), "{text}");
+    let (code, text) = answer(&["--lens", "kannala-brandt"]);
+    assert!(code == Some(0) && text.contains("RMS 0.3088"), "{text}");
+    // What is weak, and where to take the board.
+    assert!(
+        text.contains("Weak: ")
+            && text.contains("one combination of k3 k4")
+            && text.contains("No corner lies in the image's top"),
+        "{text}"
+    );
+    let real = |n: &str, more: &str| {
+        let line = format!("rational-real-{n}.vnl --board 9x6 --square-mm 25 --image 640x512 --lens rational {more}");
+        let output = calibrate(folder.path(), &line.split_whitespace().collect::<Vec<_>>());
+        (output.status.code(), String::from_utf8(output.stdout).unwrap() + &String::from_utf8(output.stderr).unwrap())
+    };
+    let (code, text) = real("10-4", "");
+    assert!(
+        code == Some(1) && text.contains("take `--lens brown-conrady`") && text.contains("`--fix k3,k6`"),
+        "{text}"
+    );
+    // The advice can be followed.
+    let (code, text) = real("10-4", "--fix k3,k6");
+    assert_eq!(code, Some(0), "{text}");
+}
+
+#[test]
+fn good_views_are_good_and_a_wish_that_is_missed_is_an_exit_code() {
+    let folder = real_corners();
+    let run = |more: &str| {
+        let line = format!("weights.vnl --board 9x6 --square-mm 25 --image 640x480 --json {more}");
+        let output = calibrate(folder.path(), &line.split_whitespace().collect::<Vec<_>>());
+        let document: Value = serde_json::from_slice(&output.stdout).unwrap();
+        (output.status.code(), document["judgement"].clone(), document["verdict"].as_str().unwrap().to_owned())
+    };
+    let (code, judgement, verdict) = run("");
+    assert!(code == Some(0) && judgement == "good" && verdict.starts_with("Good: "), "{verdict}");
+    let (code, judgement, verdict) = run("--map-error-px 0.1");
+    assert!(code == Some(4) && judgement == "missed" && verdict.contains("where 0.1 is wished for"), "{verdict}");
+    let (code, judgement, _) = run("--map-error-px 0.8");
+    assert!(code == Some(0) && judgement == "good");
+    let (_, judgement, verdict) = run("--loss cauchy --fix k1,k2,k3 --zero-tangential");
+    assert!(judgement != "outliers" || !verdict.contains("--loss cauchy"), "{verdict}");
+}
+
+#[test]
+fn weights_are_read_and_levels_are_weights() {
+    let observations = simulated();
+    let text = vnl(&observations);
+    let stated = Stated { board: Some(BOARD), image: Some([1280, 720]), images: None };
+    let read = |text: &str| read_detections(text, &stated).unwrap().observations;
+    let levels = read(&text.replace(" 0\n", " 1\n"));
+    let weights = read(&text.replace("x y level", "x y weight").replace(" 0\n", " 0.5\n"));
+    assert_eq!(levels, weights);
+    assert!(levels.views().iter().flatten().all(|corner| corner.weight == 0.5));
+    assert!(read(&text).views().iter().flatten().all(|corner| corner.weight == 1.0));
+    let file = std::fs::read_to_string("tests/data/corners/weights.vnl").unwrap();
+    let board = Board { columns: 9, rows: 6, square: 0.025 };
+    let stated = Stated { board: Some(board), image: Some([640, 480]), images: None };
+    assert_eq!(read_detections(&file, &stated).unwrap().names.len(), 25);
+}
+
+#[test]
+fn the_images_of_one_of_two_cameras_are_chosen() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut text = "# filename x y level\n".to_owned();
+    for (view, line) in vnl(&simulated()).lines().skip(3).filter_map(|line| line.split_once(".png ")) {
+        let number: usize = view.parse().unwrap();
+        text += &format!("frame{}-cam{}.png {line}\n", number / 2, number % 2);
+    }
+    std::fs::write(folder.path().join("corners.vnl"), text).unwrap();
+    let answer = |more: &[&str]| {
+        let output = calibrate(folder.path(), &[&["corners.vnl"], &OPTIONS[..], more].concat());
+        (output.status.code(), String::from_utf8(output.stdout).unwrap() + &String::from_utf8(output.stderr).unwrap())
+    };
+    let (code, text) = answer(&[]);
+    assert!(
+        code == Some(2) && text.contains("2 cameras, by their names: cam0 (10 images), cam1 (10 images)"),
+        "{text}"
+    );
+    assert!(text.contains("--images '*cam0*'"), "{text}");
+    let (code, text) = answer(&["--images", "*-cam1.png"]);
+    assert!(code == Some(0) && text.contains("10 views, ") && text.contains("frame9-cam1.png"), "{text}");
+    assert!(!text.contains("cam0"), "{text}");
+    let (code, text) = answer(&["--images", "*cam7*"]);
+    assert!(code == Some(2) && text.contains("none of the 20 images has a name like `*cam7*`"), "{text}");
+}
+
+#[test]
+fn camera_files_of_an_older_calibration_go() {
+    let folder = real_corners();
+    let names = || {
+        let entries = std::fs::read_dir(folder.path().join("calibration")).unwrap();
+        let mut names: Vec<_> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.retain(|name| !name.starts_with('.'));
+        names.sort();
+        names
+    };
+    let run = |more: &[&str]| assert!(calibrate(folder.path(), &[&FISHEYE[..], more].concat()).stderr.is_empty());
+    run(&["--lens", "none", "--fix", "cx,cy"]);
+    assert!(names().contains(&"camera.cameramodel".to_owned()));
+    std::fs::write(folder.path().join("calibration/notes.txt"), "mine").unwrap();
+    run(&["--lens", "kannala-brandt"]);
+    let expected = ["calibration.json", "camera.opencv.json", "camera.opencv.yaml", "camera_info.yaml", "notes.txt"];
+    assert_eq!(names(), expected);
+    run(&["--lens", "kannala-brandt", "--camera-format", "ros"]);
+    assert_eq!(names(), ["calibration.json", "camera_info.yaml", "notes.txt"]);
+}
+
+#[test]
+fn a_hundred_thousand_images_are_read_in_linear_time() {
+    let mut text = vnl(&simulated());
+    for i in 0..100_000 {
+        text += &format!("none{i}.png - - -\n");
+    }
+    let stated = Stated { board: Some(BOARD), image: Some([1280, 720]), images: None };
+    let start = std::time::Instant::now();
+    assert_eq!(read_detections(&text, &stated).unwrap().skipped.len(), 100_001);
+    // A search of all the names for each takes half a minute.
+    assert!(start.elapsed().as_secs_f64() < 10.0, "{:?}", start.elapsed());
 }

@@ -96,3 +96,42 @@ fn too_little_to_go_on_is_said() {
     assert_eq!(code("next out/plan.json missing.json"), Some(3));
     assert_eq!(code("next missing.json seen.json"), Some(3));
 }
+
+#[test]
+fn repeated_views_are_said_and_left_out_on_request() {
+    let desk = desk(12);
+    let repeats = |document: &Value| -> Vec<Value> {
+        document["repeats"].as_array().unwrap().iter().filter(|view| !view.is_null()).cloned().collect()
+    };
+    let some = json_of(desk.path(), "next out/plan.json seen.json -k 12 --json");
+    assert_eq!(some["repeats"].as_array().unwrap().len(), 12);
+    assert!(!repeats(&some).is_empty(), "the plan's poses are as good as ever");
+    assert!(repeats(&some).iter().all(|view| view.as_str().unwrap().ends_with(".png")));
+    let text = String::from_utf8(calipose(desk.path(), "next out/plan.json seen.json -k 12").stdout).unwrap();
+    assert!(text.contains("taken already (") && text.contains("--new leaves them out"), "{text}");
+    let new = json_of(desk.path(), "next out/plan.json seen.json -k 12 --new --json");
+    assert_eq!(repeats(&new), [] as [Value; 0]);
+    assert_eq!(new["poses"].as_array().unwrap().len(), 12);
+}
+
+#[test]
+fn what_little_is_known_is_simulated_and_the_poses_are_written_for_the_robot() {
+    let desk = desk(3);
+    let few = json_of(desk.path(), "next out/plan.json seen.json -k 4 --json");
+    let (expected, simulated) = (&few["expected_map_error_px"], &few["simulated_map_error_px"]);
+    let number = |value: &Value| value.as_f64().unwrap();
+    assert!(number(&simulated["median"]) < number(&simulated["percentile_90"]));
+    assert!(number(&simulated["percentile_90"]) > 1.2 * number(expected), "{simulated} {expected}");
+    let again = json_of(desk.path(), "next out/plan.json seen.json -k 4 --json");
+    assert_eq!(again, few);
+    let text = String::from_utf8(calipose(desk.path(), "next out/plan.json seen.json -k 4").stdout).unwrap();
+    assert!(
+        text.contains("In simulated calibrations") && text.contains("Written to out: next.json, next.csv"),
+        "{text}"
+    );
+    let written = |name: &str| std::fs::read_to_string(desk.path().join("out").join(name)).unwrap();
+    assert_eq!(serde_json::from_str::<Value>(&written("next.json")).unwrap(), few);
+    let (next, plan) = (written("next.csv"), written("plan.csv"));
+    assert_eq!(next.lines().count(), 5);
+    assert_eq!(next.lines().next(), plan.lines().next(), "the same columns as those of the plan");
+}

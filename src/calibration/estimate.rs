@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, Point3, Vector2};
 use super::observability::inverse_information;
 use super::observations::{Corner, Observations};
 use super::refinement::{Convergence, Refined};
-use super::{CalibrationError, CalibrationSettings, Loss};
+use super::{CalibrationError, CalibrationSettings, Loss, Ties};
 use crate::camera::Camera;
 use crate::spatial::Pose;
 
@@ -18,11 +18,13 @@ pub struct Calibration {
     pub poses: Vec<Pose>,
     /// The intrinsics that were estimated, as indices into [`Camera::intrinsics`].
     pub estimated: Vec<usize>,
+    /// Which of them have one value.
+    pub ties: Ties,
     /// Covariance of the estimated intrinsics, p×p in the order of `estimated`: `sigma²` times the inverse of the
-    /// information left after the poses. For a robust loss the weighted equations' information: exact without
+    /// information left after the poses; singular where some are tied. For a robust loss the weighted equations' information: exact without
     /// outliers in the limit of a wide scale.
     pub covariance: DMatrix<f64>,
-    /// Estimated standard deviation of one pixel coordinate, px: from the cost and its degrees of freedom for
+    /// Estimated standard deviation of one pixel coordinate of a corner of weight 1, px: from the cost and its degrees of freedom for
     /// [`Loss::Squared`], else from the median residual.
     pub sigma: f64,
     /// Root mean square length of all residuals, px; OpenCV's reprojection error.
@@ -44,7 +46,7 @@ pub struct Outlier {
     pub index: usize,
     /// Projection less detection, px.
     pub residual: Vector2<f64>,
-    /// Length of the residual over the standard deviation of one coordinate, taken from the median residual.
+    /// Length of the residual over the standard deviation of one of its coordinates, taken from the median residual.
     pub standardised: f64,
 }
 
@@ -55,10 +57,15 @@ pub(super) fn summarise(
     settings: &CalibrationSettings,
 ) -> Result<Calibration, CalibrationError> {
     let Refined { start, convergence, information } = refined;
+    let camera = start.camera.with_intrinsics(start.camera.intrinsics())?;
+    check_fold(observations, &camera, &start.poses)?;
     let information = information.ok_or(CalibrationError::UnobservablePose)?;
-    let residuals = residuals(observations, &start.camera, &start.poses);
-    let squares: Vec<f64> = residuals.iter().flatten().map(Vector2::norm_squared).collect();
-    let unknown = (estimated.len() + 6 * start.poses.len()) as f64;
+    let residuals = residuals(observations, &camera, &start.poses);
+    let lengths: Vec<f64> = residuals.iter().flatten().map(Vector2::norm_squared).collect();
+    let weights = observations.views().iter().flatten().map(|corner| corner.weight);
+    let squares: Vec<f64> = lengths.iter().zip(weights).map(|(square, weight)| square * weight * weight).collect();
+    let free = settings.ties.free(estimated);
+    let unknown = (free.len() + 6 * start.poses.len()) as f64;
     let measured = 2.0 * squares.len() as f64;
     // Without excess measurements there are no residuals to speak of.
     let excess = (measured - unknown).max(1.0);
@@ -71,20 +78,22 @@ pub(super) fn summarise(
         Loss::Squared => (total / excess).sqrt(),
         Loss::Huber { .. } | Loss::Cauchy { .. } => robust_sigma,
     };
-    let p = estimated.len();
-    let S = DMatrix::from_fn(p, p, |i, j| {
-        let (a, b) = (estimated[i], estimated[j]);
+    let S = DMatrix::from_fn(free.len(), free.len(), |i, j| {
+        let (a, b) = (free[i], free[j]);
         information[a.min(b)][a.max(b)]
     });
-    let inverse = inverse_information(&S, estimated, &start.camera, &start.poses, sigma)?;
-    let camera = start.camera.with_intrinsics(start.camera.intrinsics())?;
-    check_fold(observations, &camera, &start.poses)?;
+    let inverse = inverse_information(&S, &free, &camera, &start.poses, sigma)?;
+    // Those that are tied vary as one.
+    let row = |i: usize| free.iter().position(|&j| j == settings.ties.leader(estimated[i])).unwrap_or_default();
+    let p = estimated.len();
+    let covariance = DMatrix::from_fn(p, p, |i, j| inverse[(row(i), row(j))] * (sigma * sigma));
     Ok(Calibration {
         camera,
         estimated: estimated.to_vec(),
-        covariance: inverse * (sigma * sigma),
+        ties: settings.ties,
+        covariance,
         sigma,
-        rms: (total / squares.len() as f64).sqrt(),
+        rms: (lengths.iter().sum::<f64>() / lengths.len() as f64).sqrt(),
         view_rms: residuals
             .iter()
             .map(|view| (view.iter().map(Vector2::norm_squared).sum::<f64>() / view.len() as f64).sqrt())
@@ -105,11 +114,12 @@ pub fn residuals(observations: &Observations, camera: &Camera, poses: &[Pose]) -
     views.map(|(view, X_CT)| view.iter().map(|corner| residual(corner, X_CT)).collect()).collect()
 }
 
-fn check_fold(observations: &Observations, camera: &Camera, poses: &[Pose]) -> Result<(), CalibrationError> {
+pub(super) fn check_fold(observations: &Observations, camera: &Camera, poses: &[Pose]) -> Result<(), CalibrationError> {
     for (view, (corners, X_CT)) in observations.views().iter().zip(poses).enumerate() {
         for corner in corners {
             if camera.project(&(X_CT * Point3::from(observations.on_board(corner).push(0.0)))).is_none() {
-                return Err(CalibrationError::FoldedLens { view, index: corner.index });
+                let lens = camera.lens().name();
+                return Err(CalibrationError::FoldedLens { lens, view, index: corner.index });
             }
         }
     }
@@ -121,7 +131,7 @@ fn outliers(observations: &Observations, residuals: &[Vec<Vector2<f64>>], sigma:
     for (view, (corners, residuals)) in observations.views().iter().zip(residuals).enumerate() {
         for (corner, residual) in corners.iter().zip(residuals) {
             // Where more than half the residuals are rounding, so is the deviation.
-            let standardised = residual.norm() / sigma.max(1e-9);
+            let standardised = residual.norm() * corner.weight / sigma.max(1e-9);
             if standardised > threshold {
                 outliers.push(Outlier { view, index: corner.index, residual: *residual, standardised });
             }

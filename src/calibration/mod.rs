@@ -1,12 +1,13 @@
 //! Calibration of a camera from views of a planar board.
 //!
 //! ```text
-//! Observations → start (Zhang's closed form) → refinement (Levenberg–Marquardt) → Calibration
+//! Observations → order of the corners → start (Zhang's closed form) → refinement (Levenberg–Marquardt) → Calibration
 //! ```
 //!
 //! [`calibrate`] runs them in turn. Poses are `X_CT`, from the board's frame T to the camera's C; pixels as in
 //! [`crate::camera`].
 
+mod coverage;
 mod estimate;
 mod factor;
 mod homography;
@@ -14,27 +15,34 @@ mod loss;
 mod normal_equations;
 mod observability;
 mod observations;
+mod order;
 mod refinement;
 mod start;
+mod ties;
 mod zhang;
 
+pub use coverage::{Coverage, Region};
 pub use estimate::{Calibration, Outlier, residuals};
 pub use homography::homography;
 pub use loss::Loss;
 pub use observations::{BORDER_TOLERANCE, Corner, FEWEST_CORNERS, ObservationError, Observations, View};
 pub use refinement::{Convergence, RefinementSettings};
-pub use start::{Start, start};
+pub use start::{Start, pose_of_view, start};
+pub use ties::Ties;
 pub use zhang::{Pinhole, pose_of_homography};
 
 use thiserror::Error;
 
-use crate::camera::{Camera, CameraError};
+use crate::camera::{Camera, CameraError, Lens, MAX_INTRINSICS};
+use refinement::Sought;
 
 /// How to calibrate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CalibrationSettings {
     /// The refinement.
     pub refinement: RefinementSettings,
+    /// Which intrinsics have one value. Default: none.
+    pub ties: Ties,
     /// A corner is an outlier where its residual is longer than this many standard deviations of one coordinate.
     /// Default: 5, which Gaussian noise exceeds once in 270 000 corners.
     pub outlier_threshold: f64,
@@ -42,7 +50,7 @@ pub struct CalibrationSettings {
 
 impl Default for CalibrationSettings {
     fn default() -> Self {
-        Self { refinement: RefinementSettings::default(), outlier_threshold: 5.0 }
+        Self { refinement: RefinementSettings::default(), ties: Ties::default(), outlier_threshold: 5.0 }
     }
 }
 
@@ -65,6 +73,14 @@ pub enum CalibrationError {
         /// Parameters of the model.
         count: usize,
     },
+    /// Of two intrinsics that are tied together only one is to be estimated.
+    #[error("the intrinsics {a} and {b} are tied together, but only one of them is to be estimated")]
+    Tied {
+        /// The first one's name.
+        a: &'static str,
+        /// The other's.
+        b: &'static str,
+    },
     /// A setting is out of its range.
     #[error("the {name} is {value}; it must be positive and finite")]
     Setting {
@@ -73,9 +89,12 @@ pub enum CalibrationError {
         /// Its value.
         value: f64,
     },
-    /// Each view of a plane fixes at most two of fx, fy, cx and cy.
+    /// Each view of a plane by a camera without distortion fixes at most two of fx, fy, cx and cy.
     #[error(
-        "{found} views of a planar board fix at most {} of fx fy cx cy; estimating {} of them takes at least {needed}",
+        "{found} {} of a planar board without lens distortion {} at most {} of fx fy cx cy; estimating {} of them takes at \
+         least {needed}",
+        if *found == 1 { "view" } else { "views" },
+        if *found == 1 { "fixes" } else { "fix" },
         2 * found, pinhole_parameters
     )]
     TooFewViews {
@@ -85,6 +104,30 @@ pub enum CalibrationError {
         needed: usize,
         /// How many of fx, fy, cx and cy are to be estimated.
         pinhole_parameters: usize,
+    },
+    /// Views whose corners are listed as those of a board with as many rows as this has columns.
+    #[error(
+        "rows and columns look swapped: in {} the corners are in the order of a {rows} x {columns} board, not of a \
+         {columns} x {rows} one",
+        share_text(views.len(), *of)
+    )]
+    SwappedOrder {
+        /// The views.
+        views: Vec<usize>,
+        /// All there are.
+        of: usize,
+        /// Corners along the board's x.
+        columns: usize,
+        /// Corners along the board's y.
+        rows: usize,
+    },
+    /// Views whose corners are no image of the board's, as those of the others are.
+    #[error("in {} the corners are no image of the board in the order given", share_text(views.len(), *of))]
+    Disordered {
+        /// The views.
+        views: Vec<usize>,
+        /// All there are.
+        of: usize,
     },
     /// Fewer measured coordinates than unknowns.
     #[error("{measured} measured coordinates cannot fix {unknown} unknowns (intrinsics and six numbers a view)")]
@@ -127,10 +170,10 @@ pub enum CalibrationError {
     #[error("a view does not fix the pose of its board")]
     UnobservablePose,
     /// The lens model found folds back within the corners it was found from.
-    #[error(
-        "the lens model found folds back before it reaches corner {index} of view {view}; estimate fewer coefficients"
-    )]
+    #[error("the {lens} lens that fits best folds back before it reaches corner {index} of view {view}")]
     FoldedLens {
+        /// Name of the lens model.
+        lens: &'static str,
         /// The view.
         view: usize,
         /// The corner's index on the board.
@@ -141,6 +184,14 @@ pub enum CalibrationError {
     Camera(#[from] CameraError),
 }
 
+fn share_text(count: usize, of: usize) -> String {
+    match (count, of) {
+        (1, 1) => "the one view".to_owned(),
+        _ if count == of => format!("all {of} views"),
+        _ => format!("{count} of {of} views"),
+    }
+}
+
 fn combination_text(combination: &[(&'static str, f64)]) -> String {
     combination.iter().map(|(name, share)| format!("{share:+.2} {name}")).collect::<Vec<_>>().join(" ")
 }
@@ -149,8 +200,10 @@ fn combination_text(combination: &[(&'static str, f64)]) -> String {
 /// `observations` alone: `nominal` gives the lens model, the image size and the values of the intrinsics that are not
 /// estimated, and those of the estimated ones are not read.
 ///
-/// The optimum minimises the sum of the corners' losses; with [`Loss::Squared`] it is OpenCV's `calibrateCamera`'s.
-/// A calibration that ran out of iterations is returned with `converged` false.
+/// The optimum minimises the sum of the losses of the corners' residuals, each times the corner's weight; with
+/// [`Loss::Squared`] and equal weights it is OpenCV's `calibrateCamera`'s. Where that is a rational lens which folds back
+/// before the corners, it is sought again from the lens without denominator, among those that do not. A calibration that
+/// ran out of iterations is returned with `converged` false.
 ///
 /// # Errors
 /// [`CalibrationError`]: inconsistent arguments, and views that do not fix the parameters, with what they leave open.
@@ -160,8 +213,48 @@ pub fn calibrate(
     estimated: &[usize],
     settings: &CalibrationSettings,
 ) -> Result<Calibration, CalibrationError> {
-    let start = start(observations, nominal, estimated)?;
-    refine(observations, start, estimated, settings)
+    order::check(observations)?;
+    let mut start = start(observations, nominal, estimated)?;
+    level(&mut start.camera, &settings.ties);
+    let again = is_rational(nominal, estimated).then(|| start.clone());
+    match (refine(observations, start, estimated, settings), again) {
+        (Err(folded @ CalibrationError::FoldedLens { .. }), Some(start)) => {
+            one_to_one(observations, start, estimated, settings).ok_or(folded)
+        }
+        (found, _) => found,
+    }
+}
+
+/// Whether a denominator of the radial distortion is among the `estimated`.
+fn is_rational(camera: &Camera, estimated: &[usize]) -> bool {
+    camera.lens() == Lens::Rational && estimated.iter().any(|j| DENOMINATOR.contains(j))
+}
+
+/// `k4 k5 k6` of [`Lens::Rational`].
+const DENOMINATOR: std::ops::Range<usize> = 9..12;
+
+fn level(camera: &mut Camera, ties: &Ties) {
+    let mut θ = [0.0; MAX_INTRINSICS];
+    θ[..camera.intrinsics().len()].copy_from_slice(camera.intrinsics());
+    ties.level(&mut θ);
+    *camera = camera.extrapolated(&θ);
+}
+
+/// The optimum among the lenses that are one-to-one as far as the corners lie, if it is none of their limits.
+fn one_to_one(
+    observations: &Observations,
+    start: Start,
+    estimated: &[usize],
+    settings: &CalibrationSettings,
+) -> Option<Calibration> {
+    let plain: Vec<usize> = estimated.iter().copied().filter(|j| !DENOMINATOR.contains(j)).collect();
+    let sought = Sought { estimated: &plain, ties: &settings.ties, one_to_one: false };
+    let mut plain = refinement::refine(observations, start, sought, &settings.refinement).start;
+    plain.camera = plain.camera.with_intrinsics(plain.camera.intrinsics()).ok()?;
+    estimate::check_fold(observations, &plain.camera, &plain.poses).ok()?;
+    let sought = Sought { estimated, ties: &settings.ties, one_to_one: true };
+    let refined = refinement::refine(observations, plain, sought, &settings.refinement);
+    estimate::summarise(observations, refined, estimated, settings).ok().filter(|found| found.convergence.converged)
 }
 
 /// As [`calibrate`], from a given start.
@@ -176,11 +269,16 @@ pub fn refine(
 ) -> Result<Calibration, CalibrationError> {
     check_settings(settings)?;
     check_problem(observations, &start.camera, estimated)?;
+    if let Some((a, b)) = settings.ties.torn(estimated) {
+        let name = |j: usize| start.camera.lens().parameter_names().get(j).copied().unwrap_or_default();
+        return Err(CalibrationError::Tied { a: name(a), b: name(b) });
+    }
     let (poses, views) = (start.poses.len(), observations.views().len());
     if poses != views {
         return Err(CalibrationError::PoseCount { poses, views });
     }
-    let refined = refinement::refine(observations, start, estimated, &settings.refinement);
+    let sought = Sought { estimated, ties: &settings.ties, one_to_one: false };
+    let refined = refinement::refine(observations, start, sought, &settings.refinement);
     estimate::summarise(observations, refined, estimated, settings)
 }
 
@@ -211,7 +309,10 @@ fn check_problem(observations: &Observations, camera: &Camera, estimated: &[usiz
     let found = observations.views().len();
     let pinhole_parameters = estimated.iter().filter(|&&j| j < 4).count();
     let needed = pinhole_parameters.div_ceil(2);
-    if found < needed {
+    // The image of a plane by a lens that bends it is no homography, and says more than the eight numbers of one.
+    let bends = (4..count).any(|j| estimated.contains(&j) || camera.intrinsics()[j] != 0.0);
+    let is_fisheye = camera.lens() == Lens::KannalaBrandt;
+    if found < needed && !bends && !is_fisheye {
         return Err(CalibrationError::TooFewViews { found, needed, pinhole_parameters });
     }
     let (measured, unknown) = (2 * observations.corner_count(), estimated.len() + 6 * found);

@@ -1,7 +1,7 @@
 //! The normal equations of a calibration: an arrow.
 //!
 //! With `r_i` the residuals of view i (px), `A_i` their derivative by the intrinsics (2m×p) and `B_i` by the view's own
-//! pose (2m×6), both weighted by the loss,
+//! pose (2m×6), all by the corner's weight and the loss's,
 //!
 //! ```text
 //!     [ U    W_1 … W_k ] [δθ ]     [g_θ]      U   = Σ A_iᵀA_i   p×p
@@ -16,6 +16,7 @@ use nalgebra::Vector2;
 
 use super::factor::Factor;
 use super::loss::Loss;
+use super::ties::Ties;
 use crate::camera::Camera;
 use crate::spatial::{Pose, Tangent};
 
@@ -26,6 +27,8 @@ pub(super) struct Measurement {
     pub(super) point: Vector2<f64>,
     /// Where it was seen, px.
     pub(super) pixel: Vector2<f64>,
+    /// Factor of its residual.
+    pub(super) weight: f64,
 }
 
 /// The measurements of all views in one row, with each view's end.
@@ -56,7 +59,9 @@ pub(super) struct NormalEquations<const P: usize> {
     U: [[f64; P]; P],
     g: [f64; P],
     views: Vec<ViewBlocks<P>>,
-    is_estimated: [bool; P],
+    is_free: [bool; P],
+    /// Intrinsics that follow another one, with that.
+    followers: Vec<(usize, usize)>,
 }
 
 /// A step from the equations' point, and the workspace to find it.
@@ -81,9 +86,12 @@ struct Eliminated<const P: usize> {
 }
 
 impl<const P: usize> NormalEquations<P> {
-    pub(super) fn new(views: usize, is_estimated: [bool; P]) -> Self {
+    pub(super) fn new(views: usize, estimated: &[usize], ties: &Ties) -> Self {
         let blocks = ViewBlocks { V: [[0.0; 6]; 6], W: [[0.0; 6]; P], g: [0.0; 6] };
-        Self { U: [[0.0; P]; P], g: [0.0; P], views: vec![blocks; views], is_estimated }
+        let free = ties.free(estimated);
+        let is_free = std::array::from_fn(|j| free.contains(&j));
+        let followers = ties.followers().filter(|(j, _)| estimated.contains(j)).collect();
+        Self { U: [[0.0; P]; P], g: [0.0; P], views: vec![blocks; views], is_free, followers }
     }
 
     /// Sums the blocks at `camera` and `poses` and returns the cost, px²; infinite where a corner has no image.
@@ -102,15 +110,18 @@ impl<const P: usize> NormalEquations<P> {
                     return f64::INFINITY;
                 };
                 let r = projection.pixel - measurement.pixel;
-                let (ρ, weight) = loss.at(r.norm_squared());
+                let (ρ, slope) = loss.at(r.norm_squared() * measurement.weight * measurement.weight);
                 cost += ρ;
-                // Weighted equations: both sides by the root of the weight.
-                let root = weight.sqrt();
+                // Weighted equations: both sides by the corner's weight and the root of the loss's.
+                let root = measurement.weight * slope.sqrt();
                 let mut a = [[0.0; P]; 2];
                 let mut b = [[0.0; 6]; 2];
                 for row in 0..2 {
                     for j in 0..P {
                         a[row][j] = root * projection.by_intrinsics[(row, j)];
+                    }
+                    for &(j, leader) in &self.followers {
+                        a[row][leader] += a[row][j];
                     }
                     let J = projection.by_point.row(row) * root;
                     // ∂p_C/∂ω = −[arm]× and ∂p_C/∂v = 1.
@@ -130,9 +141,9 @@ impl<const P: usize> NormalEquations<P> {
         if cost.is_finite() { cost } else { f64::INFINITY }
     }
 
-    /// Makes the equations of the fixed intrinsics read `δθ_j = 0`.
+    /// Makes the equations of the intrinsics that are not free read `δθ_j = 0`.
     fn hold_fixed(&mut self) {
-        for j in (0..P).filter(|&j| !self.is_estimated[j]) {
+        for j in (0..P).filter(|&j| !self.is_free[j]) {
             for i in 0..P {
                 self.U[i][j] = 0.0;
                 self.U[j][i] = 0.0;
@@ -167,11 +178,14 @@ impl<const P: usize> NormalEquations<P> {
             damped += (0..6).map(|j| damping(solved[j], blocks.V[j][j])).sum::<f64>();
             *ξ = Tangent::from(solved);
         }
+        for &(j, leader) in &self.followers {
+            step.δθ[j] = step.δθ[leader];
+        }
         step.predicted = step.decrement + damped;
         step.predicted.is_finite()
     }
 
-    /// The upper triangle of the Schur complement `S` without damping, unit diagonal at the fixed intrinsics; `None`
+    /// The upper triangle of the Schur complement `S` without damping, unit diagonal at intrinsics that are not free; `None`
     /// where a view does not fix its own pose.
     pub(super) fn information(&self) -> Option<[[f64; P]; P]> {
         self.eliminate(0.0, &mut Step::new(self.views.len()))

@@ -19,6 +19,8 @@ pub struct Corner {
     pub index: usize,
     /// Where it was seen, px.
     pub pixel: Vector2<f64>,
+    /// How sure that is, against other corners: its standard deviation is that of a corner of weight 1, divided by it.
+    pub weight: f64,
 }
 
 /// The corners of one image; any of the board's may be missing.
@@ -111,6 +113,16 @@ pub enum ObservationError {
         /// Image height, px.
         height: u32,
     },
+    /// A corner's weight is not positive and finite.
+    #[error("view {view}: the weight of corner {index} is {weight}; it must be positive and finite")]
+    Weight {
+        /// The view.
+        view: usize,
+        /// The corner's index.
+        index: usize,
+        /// The weight.
+        weight: f64,
+    },
     /// All corners of a view lie on one line of the board or of the image.
     #[error("view {view}: its corners lie on one line, which fixes no homography")]
     Collinear {
@@ -186,13 +198,16 @@ impl Observations {
 }
 
 fn check_corner(board: &Board, width: u32, height: u32, view: usize, corner: &Corner) -> Result<(), ObservationError> {
-    let Corner { index, pixel } = *corner;
+    let Corner { index, pixel, weight } = *corner;
     let (u, v) = (pixel.x, pixel.y);
     if index >= board.corner_count() {
         return Err(ObservationError::NotOnBoard { view, index, corners: board.corner_count() });
     }
     if !(u.is_finite() && v.is_finite()) {
         return Err(ObservationError::NotFinite { view, index, u, v });
+    }
+    if !(weight > 0.0 && weight.is_finite()) {
+        return Err(ObservationError::Weight { view, index, weight });
     }
     let margin = 0.5 + BORDER_TOLERANCE * f64::from(width.max(height));
     let outside = |x: f64, size: u32| x < -margin || x > f64::from(size) - 1.0 + margin;
@@ -226,6 +241,7 @@ mod tests {
             .map(|i| Corner {
                 index: i,
                 pixel: Vector2::new(100.0 + 40.0 * (i % 4) as f64, 90.0 + 35.0 * (i / 4) as f64),
+                weight: 1.0,
             })
             .collect()
     }
@@ -239,7 +255,10 @@ mod tests {
         let partial = view().into_iter().skip(3).step_by(2).collect();
         let observations = check(vec![view(), partial]).unwrap();
         assert_eq!(observations.corner_count(), 17);
-        assert_eq!(observations.on_board(&Corner { index: 5, pixel: Vector2::zeros() }), Vector2::new(-0.025, 0.0));
+        assert_eq!(
+            observations.on_board(&Corner { index: 5, pixel: Vector2::zeros(), weight: 1.0 }),
+            Vector2::new(-0.025, 0.0)
+        );
     }
 
     #[test]
@@ -257,6 +276,9 @@ mod tests {
         let mut bad = view();
         bad[3].index = 12;
         assert_eq!(check(vec![bad]), Err(ObservationError::NotOnBoard { view: 0, index: 12, corners: 12 }));
+        let mut bad = view();
+        bad[4].weight = 0.0;
+        assert_eq!(check(vec![bad]), Err(ObservationError::Weight { view: 0, index: 4, weight: 0.0 }));
         let short = view().into_iter().take(3).collect();
         assert_eq!(check(vec![view(), short]), Err(ObservationError::TooFewCorners { view: 1, found: 3 }));
         let line = view().into_iter().take(4).collect();

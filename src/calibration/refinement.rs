@@ -4,6 +4,7 @@ use super::loss::Loss;
 use super::normal_equations::{Measurement, Measurements, NormalEquations, Step};
 use super::observations::Observations;
 use super::start::Start;
+use super::ties::Ties;
 use crate::camera::{Camera, MAX_INTRINSICS};
 use crate::spatial::perturb;
 
@@ -12,30 +13,32 @@ use crate::spatial::perturb;
 pub struct RefinementSettings {
     /// The loss of a corner's residual. Default: squared.
     pub loss: Loss,
-    /// Most iterations, tried steps included. Default: 500.
+    /// Most iterations, tried steps included. Default: 5000: a rational lens on ordinary views creeps along a valley.
     pub max_iterations: usize,
-    /// Converged when a full Newton step is shorter than this share of the estimate's standard deviation, in every
-    /// direction of parameter space. Default: 1e-7.
+    /// Iterates until a full Newton step is shorter than this share of the estimate's standard deviation, in every
+    /// direction of parameter space. Default: 1e-7. Where rounding ends it before, it has converged all the same if the
+    /// step that is left is shorter than a thousandth.
     pub tolerance: f64,
 }
 
 impl Default for RefinementSettings {
     fn default() -> Self {
-        Self { loss: Loss::Squared, max_iterations: 500, tolerance: 1e-7 }
+        Self { loss: Loss::Squared, max_iterations: 5000, tolerance: 1e-7 }
     }
 }
 
 /// How a refinement ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Convergence {
-    /// Whether the gradient vanished to the tolerance; otherwise the iterations ran out or no step improved.
+    /// Whether what a Newton step from here would still change is negligible against the estimate's deviation; otherwise
+    /// the iterations ran out or no step improved.
     pub converged: bool,
     /// Steps tried.
     pub iterations: usize,
     /// Sum of the corners' losses, px².
     pub cost: f64,
-    /// The squared length, px², that a Newton step from here would move all the residuals; infinite where no step
-    /// was ever short enough to ask.
+    /// The squared length, px², that a Newton step from here would move all the residuals; infinite where the equations
+    /// are singular.
     pub decrement: f64,
 }
 
@@ -47,6 +50,10 @@ pub(super) struct Refined {
     /// `S`, of which the model's upper triangle is set; `None` where a view does not fix its own pose.
     pub(super) information: Option<[[f64; MAX_INTRINSICS]; MAX_INTRINSICS]>,
 }
+
+/// What is left is negligible below this share of the estimate's deviation. In the valley where a rational lens's numerator
+/// and denominator nearly cancel, no step resolves 1e-5 of it.
+const NEGLIGIBLE: f64 = 1e-3;
 
 /// Steps that move all the corners together by less than this, px, are rounding.
 const ROUNDING: f64 = 1e-11;
@@ -67,33 +74,41 @@ const GROWTH: f64 = 10.0;
 /// Damping beyond which there is no hope left.
 const HOPELESS_DAMPING: f64 = 1e12;
 
+/// What is sought.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sought<'a> {
+    pub(super) estimated: &'a [usize],
+    pub(super) ties: &'a Ties,
+    /// Whether to keep to lenses that are one-to-one as far as the corners lie; else the model is continued past its fold.
+    pub(super) one_to_one: bool,
+}
+
 pub(super) fn refine(
     observations: &Observations,
     start: Start,
-    estimated: &[usize],
+    sought: Sought<'_>,
     settings: &RefinementSettings,
 ) -> Refined {
     match start.camera.intrinsics().len() {
-        4 => refine_sized::<4>(observations, start, estimated, settings),
-        8 => refine_sized::<8>(observations, start, estimated, settings),
-        9 => refine_sized::<9>(observations, start, estimated, settings),
-        _ => refine_sized::<MAX_INTRINSICS>(observations, start, estimated, settings),
+        4 => refine_sized::<4>(observations, start, sought, settings),
+        8 => refine_sized::<8>(observations, start, sought, settings),
+        9 => refine_sized::<9>(observations, start, sought, settings),
+        _ => refine_sized::<MAX_INTRINSICS>(observations, start, sought, settings),
     }
 }
 
 fn refine_sized<const P: usize>(
     observations: &Observations,
     start: Start,
-    estimated: &[usize],
+    Sought { estimated, ties, one_to_one }: Sought<'_>,
     settings: &RefinementSettings,
 ) -> Refined {
     let measurements = measurements(observations);
-    let freedoms = estimated.len() + 6 * start.poses.len();
+    let freedoms = ties.free(estimated).len() + 6 * start.poses.len();
     let excess = (2 * measurements.all.len()).saturating_sub(freedoms).max(1) as f64;
     let views = start.poses.len();
-    let is_estimated = std::array::from_fn(|j| estimated.contains(&j));
     let Start { mut camera, mut poses } = start;
-    let mut equations = NormalEquations::<P>::new(views, is_estimated);
+    let mut equations = NormalEquations::<P>::new(views, estimated, ties);
     let mut trial_equations = equations.clone();
     let mut trial_poses = poses.clone();
     let mut step = Step::<P>::new(views);
@@ -105,7 +120,7 @@ fn refine_sized<const P: usize>(
     let mut convergence = Convergence { converged: false, iterations: 0, cost, decrement: f64::INFINITY };
     while convergence.iterations < settings.max_iterations && λ < HOPELESS_DAMPING && cost.is_finite() {
         // A step's length in residuals over their deviation is its length in deviations of the estimate.
-        let negligible = (settings.tolerance * settings.tolerance * cost / excess).max(ROUNDING * ROUNDING);
+        let negligible = (settings.tolerance.powi(2) * cost / excess).max(ROUNDING * ROUNDING);
         let mut solved = equations.solve(λ, &mut step);
         if solved && step.decrement <= negligible {
             // Damping shortens steps; only an undamped one that is short says that the end is here.
@@ -118,7 +133,7 @@ fn refine_sized<const P: usize>(
         }
         convergence.iterations += 1;
         if solved {
-            let trial = moved(&camera, &step);
+            let trial = moved(&camera, &step, one_to_one);
             for ((trial, pose), ξ) in trial_poses.iter_mut().zip(&poses).zip(&step.ξ) {
                 *trial = perturb(pose, ξ);
             }
@@ -157,6 +172,11 @@ fn refine_sized<const P: usize>(
         growth *= GROWTH;
     }
     convergence.cost = cost;
+    if !convergence.converged {
+        let solved = cost.is_finite() && equations.solve(0.0, &mut step) && step.decrement >= 0.0;
+        convergence.decrement = if solved { step.decrement } else { f64::INFINITY };
+        convergence.converged = convergence.decrement <= NEGLIGIBLE.powi(2) * cost / excess;
+    }
     let information = equations.information().map(|S| {
         let mut padded = [[0.0; MAX_INTRINSICS]; MAX_INTRINSICS];
         for (row, padded) in S.iter().zip(&mut padded) {
@@ -167,19 +187,28 @@ fn refine_sized<const P: usize>(
     Refined { start: Start { camera, poses }, convergence, information }
 }
 
-fn moved<const P: usize>(camera: &Camera, step: &Step<P>) -> Camera {
+fn moved<const P: usize>(camera: &Camera, step: &Step<P>, one_to_one: bool) -> Camera {
     let mut θ = [0.0; MAX_INTRINSICS];
     for (j, (θ, value)) in θ.iter_mut().zip(camera.intrinsics()).enumerate() {
         *θ = value + step.δθ[j];
     }
-    camera.extrapolated(&θ)
+    let extrapolated = camera.extrapolated(&θ);
+    if !one_to_one {
+        return extrapolated;
+    }
+    // What is no camera at all is for the caller to see by its focal lengths.
+    extrapolated.with_intrinsics(extrapolated.intrinsics()).unwrap_or(extrapolated)
 }
 
 fn measurements(observations: &Observations) -> Measurements {
     let mut all = Vec::with_capacity(observations.corner_count());
     let mut ends = Vec::with_capacity(observations.views().len());
     for view in observations.views() {
-        all.extend(view.iter().map(|c| Measurement { point: observations.on_board(c), pixel: c.pixel }));
+        all.extend(view.iter().map(|c| Measurement {
+            point: observations.on_board(c),
+            pixel: c.pixel,
+            weight: c.weight,
+        }));
         ends.push(all.len());
     }
     Measurements { all, ends }

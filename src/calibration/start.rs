@@ -46,6 +46,14 @@ pub fn start(observations: &Observations, nominal: &Camera, estimated: &[usize])
     if nominal.lens() == Lens::KannalaBrandt { unknown.by_focal_ladder() } else { unknown.by_closed_form() }
 }
 
+/// The board's pose `X_CT` in view `view` of `observations` for a known camera, from the homography of its corners; `None` where
+/// the camera sees no such corners.
+pub fn pose_of_view(observations: &Observations, view: usize, camera: &Camera) -> Option<Pose> {
+    let mut points = Points::default();
+    points.load(observations, view);
+    points.resect(camera)
+}
+
 /// What is sought, and what is known before any view is looked at.
 struct Unknown<'a> {
     observations: &'a Observations,

@@ -49,7 +49,9 @@ fn views(camera: &Camera, poses: &[Pose], sigma: f64) -> Vec<View> {
     };
     poses
         .iter()
-        .map(|X| BOARD.corners().enumerate().map(|(index, p)| Corner { index, pixel: see(X, p) }).collect())
+        .map(|X| {
+            BOARD.corners().enumerate().map(|(index, p)| Corner { index, pixel: see(X, p), weight: 1.0 }).collect()
+        })
         .collect()
 }
 
@@ -196,6 +198,10 @@ fn degenerate_sets_are_refused_with_their_reason() {
     let single = observe(&truth, &poses(&truth, 1, 0.7, 6), 0.0);
     let error = solve(&truth, &single).unwrap_err();
     assert_eq!(error, CalibrationError::TooFewViews { found: 1, needed: 2, pinhole_parameters: 4 });
+    assert!(
+        error.to_string().starts_with("1 view of a planar board without lens distortion fixes at most 2"),
+        "{error}"
+    );
     for (seed, sigma) in [(7, 0.0), (8, 0.01), (9, 0.3)] {
         for tilt in [0.0, 0.3] {
             let mut poses = poses(&truth, 8, 0.2, seed);
@@ -223,6 +229,8 @@ fn arguments_that_do_not_fit_are_refused() {
     let refinement = RefinementSettings { loss: Loss::Huber { scale: 0.0 }, ..RefinementSettings::default() };
     let bad = CalibrationSettings { refinement, ..settings };
     assert!(matches!(calibrate(&observations, &truth, &[0], &bad), Err(CalibrationError::Setting { value: 0.0, .. })));
+    let tied = CalibrationSettings { ties: Ties::default().and(0, 1), ..settings };
+    assert_eq!(calibrate(&observations, &truth, &[0, 2, 3], &tied), Err(CalibrationError::Tied { a: "fx", b: "fy" }));
     let few: Vec<View> = views(&truth, &poses(&truth, 2, 0.7, 11), 0.1)
         .into_iter()
         .map(|view| [0, 7, 40, 47].map(|i| view[i]).to_vec())
@@ -242,4 +250,75 @@ fn running_out_of_iterations_is_said() {
     let settings = CalibrationSettings { refinement, ..CalibrationSettings::default() };
     let found = calibrate(&observations, &truth, &all(&truth), &settings).unwrap();
     assert!(!found.convergence.converged && found.convergence.iterations == 1);
+}
+
+#[test]
+fn tied_intrinsics_share_one_value_and_are_known_better_for_it() {
+    let lens = Lens::BrownConrady;
+    let truth = Camera::new(lens, 1280, 960, &[900.0, 900.0, 641.0, 472.0, -0.2, 0.05, 1e-3, -2e-3, 0.01]).unwrap();
+    let observations = observe(&truth, &poses(&truth, 8, 0.7, 14), 0.3);
+    let settings = CalibrationSettings { ties: Ties::default().and(1, 0), ..CalibrationSettings::default() };
+    let free = solve(&truth, &observations).unwrap();
+    let tied = calibrate(&observations, &ignorant(&truth), &all(&truth), &settings).unwrap();
+    assert!(tied.convergence.converged && tied.convergence.cost > free.convergence.cost);
+    let (θ, C) = (tied.camera.intrinsics(), &tied.covariance);
+    assert_eq!(θ[0], θ[1]);
+    assert_eq!((C[(0, 0)], C[(0, 5)]), (C[(1, 1)], C[(1, 5)]));
+    assert_eq!(C[(0, 0)], C[(0, 1)]);
+    assert!(C[(0, 0)] < free.covariance[(0, 0)] && (θ[0] - 900.0).abs() < 4.5 * C[(0, 0)].sqrt());
+    // As the estimate on the line fx = fy of the free one, whose covariance says how far that is: chi² of one degree.
+    let c = nalgebra::DVector::from_fn(9, |j, _| [1.0, -1.0].get(j).copied().unwrap_or(0.0));
+    let along = &free.covariance * &c;
+    let (gap, variance) = (free.camera.intrinsics()[0] - free.camera.intrinsics()[1], c.dot(&along));
+    for j in 0..9 {
+        let expected = free.camera.intrinsics()[j] - along[j] * gap / variance;
+        assert!((θ[j] - expected).abs() < 0.02 * C[(j, j)].sqrt(), "{j}: {} for {expected}", θ[j]);
+    }
+}
+
+#[test]
+fn weights_are_relative_and_small_ones_take_a_corner_out() {
+    let truth = camera(Lens::BrownConrady);
+    let poses = poses(&truth, 8, 0.7, 15);
+    let changed = |change: &dyn Fn(usize, &mut Corner)| {
+        let mut views = views(&truth, &poses, 0.2);
+        for view in &mut views {
+            view.iter_mut().enumerate().for_each(|(i, corner)| change(i, corner));
+        }
+        solve(&truth, &Observations::new(BOARD, 1280, 960, views).unwrap()).unwrap()
+    };
+    let plain = changed(&|_, _| ());
+    let doubled = changed(&|_, corner| corner.weight = 2.0);
+    assert!((doubled.camera.intrinsics()[0] - plain.camera.intrinsics()[0]).abs() < 1e-6);
+    assert!((doubled.sigma / plain.sigma - 2.0).abs() < 1e-9 && (doubled.rms - plain.rms).abs() < 1e-9);
+    assert!((doubled.covariance[(4, 4)] / plain.covariance[(4, 4)] - 1.0).abs() < 1e-6);
+
+    let shifted = changed(&|i, corner| {
+        if i % 7 == 0 {
+            corner.pixel.x += 20.0;
+            corner.weight = 1e-5;
+        }
+    });
+    let mut views = views(&truth, &poses, 0.2);
+    for view in &mut views {
+        let mut i = 0..;
+        view.retain(|_| i.next().is_none_or(|i| i % 7 != 0));
+    }
+    let without = solve(&truth, &Observations::new(BOARD, 1280, 960, views).unwrap()).unwrap();
+    for (j, (a, b)) in shifted.camera.intrinsics().iter().zip(without.camera.intrinsics()).enumerate() {
+        assert!((a - b).abs() < 1e-3 * without.covariance[(j, j)].sqrt(), "{j}: {a} {b}");
+    }
+    assert!(shifted.outliers.is_empty(), "{:?}", shifted.outliers);
+}
+
+/// Each view of a plane gives a homography, of eight numbers, six of which are its pose; but a lens that bends it gives more.
+#[test]
+fn one_view_of_a_fisheye_can_do() {
+    let truth = camera(Lens::KannalaBrandt);
+    let rotation = Vector3::new(std::f64::consts::PI + 0.5, 0.3, 0.1);
+    let X_CT = Pose::new(Vector3::new(0.02, 0.01, 0.16), rotation);
+    let found = solve(&truth, &observe(&truth, &[X_CT], 0.05)).unwrap();
+    for (j, (a, b)) in found.camera.intrinsics().iter().zip(truth.intrinsics()).enumerate() {
+        assert!((a - b).abs() < 4.5 * found.covariance[(j, j)].sqrt(), "{j}: {a} for {b}");
+    }
 }

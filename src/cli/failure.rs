@@ -13,6 +13,9 @@ use crate::plan::{CertifyError, ConstraintError, FileError, PlanError, SurveyErr
 use crate::problem::{DraftError, ProblemError};
 use crate::selection::SelectionError;
 
+/// Views that are named at most.
+const MOST_NAMED: usize = 8;
+
 /// Anything a command can fail with.
 #[derive(Debug, Error, Diagnostic)]
 pub(super) enum Failure {
@@ -29,8 +32,14 @@ pub(super) enum Failure {
     #[diagnostic(help("{}", observations_help(error)))]
     Observations { path: PathBuf, error: FileReadError },
     #[error("{}: {error}", path.display())]
-    #[diagnostic(help("{}", calibration_help(error, names)))]
-    Calibration { path: PathBuf, error: CalibrationError, names: Vec<String> },
+    #[diagnostic(help("{}", calibration_help(error, names, *fits)))]
+    Calibration {
+        path: PathBuf,
+        error: Box<CalibrationError>,
+        names: Vec<String>,
+        /// Another lens that fits, and the RMS of its residuals in px.
+        fits: Option<(&'static str, f64)>,
+    },
     #[error("cannot use the plan {}: {reason}", path.display())]
     PlanFile { path: PathBuf, reason: String },
     #[error("the plan {} does not hold: {error}", path.display())]
@@ -65,7 +74,11 @@ impl Failure {
             // A file that does not state its board needs the options that do.
             Failure::Usage(_)
             | Failure::Observations {
-                error: FileReadError::Content(ReadError { fault: ReadFault::NotStated { .. }, .. }),
+                error:
+                    FileReadError::Content(ReadError {
+                        fault: ReadFault::NotStated { .. } | ReadFault::Cameras { .. } | ReadFault::NoImage { .. },
+                        ..
+                    }),
                 ..
             } => 2,
             // The nearest configuration was shown.
@@ -157,22 +170,63 @@ fn observations_help(error: &FileReadError) -> &'static str {
         ReadFault::CornerCount { .. } => {
             "columns and rows are the board's inner corners; undetected ones are listed too, as - or null"
         }
+        ReadFault::Cameras { .. } => "choose the images of one with --images, as in --images '*cam0*'; '*' takes all",
+        ReadFault::NoImage { .. } => "`*` stands for any text and `?` for one character; quote the pattern",
         ReadFault::Mismatch { .. } => "take the options away, or correct the file",
         _ => "the book's page \"Calibration\" describes both formats",
     }
 }
 
-fn calibration_help(error: &CalibrationError, names: &[String]) -> String {
+fn calibration_help(error: &CalibrationError, names: &[String], fits: Option<(&'static str, f64)>) -> String {
+    use CalibrationError as E;
+    let named = |views: &[usize]| {
+        let known: Vec<String> = views.iter().filter_map(|&view| names.get(view)).map(|n| format!("\"{n}\"")).collect();
+        let more = known.len().saturating_sub(MOST_NAMED);
+        let end = if more > 0 { format!(" and {more} more") } else { String::new() };
+        known[..known.len().min(MOST_NAMED)].join(", ") + &end
+    };
+    let other = fits.map(|(lens, rms)| {
+        format!("the lens {lens} fits these corners, with an RMS of {} px: take `--lens {lens}`", short(rms))
+    });
     match error {
-        CalibrationError::NoStart { view } | CalibrationError::FoldedLens { view, .. } if names.len() > *view => {
-            format!("view {view} is \"{}\"; look at its corners, or leave it out", names[*view])
+        E::FoldedLens { lens, view, .. } => {
+            let other = other.map_or(String::new(), |other| format!("{other}; or "));
+            let last = if *lens == "rational" { "k3,k6" } else { "k3" };
+            format!("{other}estimate fewer coefficients, as in `--fix {last}`; view {view} is {}", named(&[*view]))
         }
-        CalibrationError::TooFewViews { .. } | CalibrationError::TooFewMeasurements { .. } => {
-            "take more images of the board, or a lens model with fewer parameters".into()
+        E::SwappedOrder { views, of, columns, rows } if views.len() == *of => format!(
+            "give --board {rows}x{columns}, or swap columns and rows where the file of corners or the problem file states the board"
+        ),
+        E::SwappedOrder { views, of, columns, rows } if 2 * views.len() > *of => {
+            format!("give --board {rows}x{columns}; the corners of the other {} look swapped then", of - views.len())
         }
-        CalibrationError::ParallelBoards { .. } => {
-            "take images with the board tilted by 20° to 50° in all directions".into()
+        E::SwappedOrder { views, columns, .. } => format!(
+            "list the corners of {} along the board's rows of {columns} as in the other views, or leave them out",
+            named(views)
+        ),
+        E::Disordered { views, .. } => {
+            format!("look at {}: were their corners found on this board, and are they listed row by row?", named(views))
         }
-        _ => "add views, tilted differently and all over the image, or take a lens model with fewer parameters".into(),
+        E::NoStart { view } => match other {
+            Some(other) => other,
+            None => format!("view {view} is {}; look at its corners, or leave it out", named(&[*view])),
+        },
+        E::TooFewViews { .. } | E::TooFewMeasurements { .. } => {
+            "take more images of the board, or estimate less, as in `--fix cx,cy` or `--tie fx=fy`".into()
+        }
+        E::ParallelBoards { .. } => "take images with the board tilted by 20° to 50° in all directions".into(),
+        E::Parameters { .. } | E::Tied { .. } | E::Setting { .. } | E::ImageSize { .. } | E::PoseCount { .. } => {
+            "check the options".into()
+        }
+        E::Unobservable { combination } => {
+            let held = combination.iter().find(|(name, _)| name.starts_with('k')).map_or("fx=900", |_| "k3=0");
+            let other = other.map_or(String::new(), |other| format!("; {other}"));
+            format!(
+                "add views, tilted differently and all over the image, or estimate less, as in `--fix {held}`{other}"
+            )
+        }
+        E::UnobservablePose | E::Camera(_) => other.unwrap_or_else(|| {
+            "add views, tilted differently and all over the image, or take a lens model with fewer parameters".into()
+        }),
     }
 }

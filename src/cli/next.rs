@@ -1,10 +1,11 @@
 //! `calipose next`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde_json::json;
 
+use super::WRITING;
 use super::collision::untested_text;
 use super::failure::Failure;
 use super::plan::pose_table;
@@ -13,7 +14,10 @@ use super::screen::{Screen, short, table};
 use super::verdict::Verdict;
 use crate::calibration::{CalibrationSettings, calibrate};
 use crate::formats::{Stated, read_detections_file};
-use crate::plan::{Wish, next};
+use crate::plan::{Proposal, Wish, next, write_together};
+
+/// Nine of ten map errors are below this multiple of the expected RMS, as long as linearisation holds: 1.645, or less.
+const MORE_THAN_EXPECTED: f64 = 2.0;
 
 #[derive(Debug, Args)]
 pub(super) struct NextArguments {
@@ -30,6 +34,12 @@ pub(super) struct NextArguments {
     /// Propose as few poses as bring the expected map error down to this, in px
     #[arg(long = "map-error-px", value_name = "PX")]
     map_error: Option<f64>,
+    /// Propose new views only, none that shows the board where one of those taken does
+    #[arg(long)]
+    new: bool,
+    /// Take the images with such a name only, `*` for any text, as in '*cam0*'
+    #[arg(long, value_name = "PATTERN")]
+    images: Option<String>,
     /// Most poses to propose for --map-error-px
     #[arg(long, default_value_t = 30)]
     most: usize,
@@ -54,36 +64,63 @@ pub(super) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<Verd
     let wish = arguments.wish()?;
     let Planned { plan, problem } = Planned::read(&arguments.plan, arguments.problem.as_deref())?;
     let path = &arguments.observations;
-    let stated =
-        Stated { board: Some(problem.target.board), image: Some([problem.camera.width(), problem.camera.height()]) };
+    let stated = Stated {
+        board: Some(problem.target.board),
+        image: Some([problem.camera.width(), problem.camera.height()]),
+        images: arguments.images.clone(),
+    };
     let detections =
         read_detections_file(path, &stated).map_err(|error| Failure::Observations { path: path.clone(), error })?;
     let calibration =
         calibrate(&detections.observations, &problem.camera, &problem.estimated, &CalibrationSettings::default())
-            .map_err(|error| Failure::Calibration { error, path: path.clone(), names: detections.names.clone() })?;
+            .map_err(|error| Failure::Calibration {
+                error: Box::new(error),
+                path: path.clone(),
+                names: detections.names.clone(),
+                fits: None,
+            })?;
     let bar = screen.progress("sweeping", problem.space.len());
-    let proposed = next(&problem, &calibration, wish, &|swept| bar.inc(swept as u64));
+    let proposed = next(&problem, &detections.observations, &calibration, wish, arguments.new, &|swept| {
+        bar.inc(swept as u64);
+    });
     bar.finish_and_clear();
     let proposal = proposed?;
 
     let names = problem.estimated_names();
     let θ: Vec<f64> = problem.estimated.iter().map(|&i| calibration.camera.intrinsics()[i]).collect();
     let σ: Vec<f64> = calibration.covariance.diagonal().iter().map(|variance| variance.sqrt()).collect();
-    screen.document(
-        &json!({
-            "format": "calipose.next",
-            "version": 1,
-            "problem": { "name": plan.problem.name, "sha256": plan.problem.sha256 },
-            "views": detections.names.len(),
-            "intrinsics": { "names": names, "values": θ, "sigma": σ },
-            "known_map_error_px": proposal.known,
-            "expected_map_error_px": proposal.expected,
-            "fulfilled": proposal.fulfilled,
-            "joints": plan.joints,
-            "poses": proposal.poses,
-        })
-        .to_string(),
-    )?;
+    let repeats: Vec<Option<&str>> = proposal
+        .repeats
+        .iter()
+        .map(|view| view.and_then(|view| detections.names.get(view)).map(String::as_str))
+        .collect();
+    let document = json!({
+        "format": "calipose.next",
+        "version": 1,
+        "problem": { "name": plan.problem.name, "sha256": plan.problem.sha256 },
+        "views": detections.names.len(),
+        "intrinsics": { "names": names, "values": θ, "sigma": σ },
+        "known_map_error_px": proposal.known,
+        "expected_map_error_px": proposal.expected,
+        "simulated_map_error_px": proposal.rehearsal.map(|simulated| json!({
+            "trials": simulated.trials,
+            "failed": simulated.failed,
+            "median": simulated.median,
+            "percentile_90": simulated.percentile_90,
+            "rms": simulated.rms,
+        })),
+        "fulfilled": proposal.fulfilled,
+        "joints": plan.joints,
+        "poses": proposal.poses,
+        "repeats": repeats,
+    });
+    let folder = arguments.plan.parent().unwrap_or(Path::new(""));
+    let table_of_poses = proposal.to_csv(&problem).map_err(|error| Failure::Table(error.to_string()))?;
+    let files = [("next.json", format!("{document:#}\n").into_bytes()), ("next.csv", table_of_poses)];
+    let writing = WRITING.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    write_together(folder, &files, &[])?;
+    drop(writing);
+    screen.document(&document.to_string())?;
     let rows: Vec<Vec<String>> =
         (0..names.len()).map(|i| vec![names[i].to_owned(), short(θ[i]), short(σ[i])]).collect();
     let known = format!(
@@ -97,20 +134,60 @@ pub(super) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<Verd
         screen.text(&format!("{known} That is enough; no more poses are needed."))?;
         return Ok(Verdict::Good);
     }
-    let verdict = match (proposal.fulfilled, arguments.map_error) {
-        (true, _) => String::new(),
-        (false, wished) => format!(
-            "\n{} poses do not bring it down to {} px; allow more with --most.",
-            proposal.poses.len(),
-            short(wished.unwrap_or_default()),
-        ),
-    };
-    screen.text(&format!(
-        "{known}\n{} more, taken next, bring it to {} px:\n\n{}{verdict}{}",
+    let mut text = format!(
+        "{known}\n{} more, taken next, bring it to {} px:\n\n{}",
         proposal.poses.len(),
         short(proposal.expected),
         pose_table(&problem, &proposal.poses),
-        untested_text(&problem).map(|line| format!("\n{line}")).unwrap_or_default(),
-    ))?;
+    );
+    text += &simulated(&proposal);
+    text += &repeated(&repeats);
+    if !proposal.fulfilled {
+        text += &format!(
+            "\n{} poses do not bring it down to {} px; allow more with --most.",
+            proposal.poses.len(),
+            short(arguments.map_error.unwrap_or_default()),
+        );
+    }
+    text += &untested_text(&problem).map(|line| format!("\n{line}")).unwrap_or_default();
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    screen.text(&format!("{text}\n\nWritten to {}: next.json, next.csv.", folder.display()))?;
     Ok(Verdict::good_if(proposal.fulfilled))
+}
+
+/// What the simulation adds to the expectation.
+fn simulated(proposal: &Proposal) -> String {
+    let Some(simulated) = proposal.rehearsal else {
+        return "\nThe views taken tell too little to simulate what the next ones bring; take them, and ask again."
+            .into();
+    };
+    let (median, most) = (short(simulated.median), short(simulated.percentile_90));
+    let mut text = format!(
+        "\nIn simulated calibrations, with cameras drawn from what is known, it is {median} px at the median and \
+         below {most} px in nine of ten."
+    );
+    if simulated.failed > 0 {
+        text += &format!(" {} of {} gave no camera.", simulated.failed, simulated.trials);
+    }
+    if simulated.percentile_90 > MORE_THAN_EXPECTED * proposal.expected {
+        text += " So little is known yet that the expectation above, linearised about the camera found so far, promises too much: \
+                 take these, and ask again.";
+    }
+    text
+}
+
+/// Which of the poses repeat a view, by the names of the views.
+fn repeated(repeats: &[Option<&str>]) -> String {
+    let names: Vec<&str> = repeats.iter().copied().flatten().collect();
+    let rest = match names[..] {
+        [] => return String::new(),
+        [_] => "repeats a view",
+        _ => "repeat views",
+    };
+    format!(
+        "\n{} of these {} {rest} taken already ({}): one more picture there averages noise, no more. --new leaves them out.",
+        names.len(),
+        repeats.len(),
+        names.join(", "),
+    )
 }

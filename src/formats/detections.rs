@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 
 use super::error::{ReadError, ReadFault};
-use super::{observations, vnl};
+use super::{images, observations, vnl};
 use crate::calibration::{Corner, ObservationError, Observations, View};
 use crate::target::Board;
 
@@ -22,19 +22,28 @@ pub struct Detections {
 }
 
 /// What is known of the detections beside their file.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Stated {
     /// The board.
     pub board: Option<Board>,
     /// Width and height of the images, px.
     pub image: Option<[u32; 2]>,
+    /// The names of the images that are meant, `*` for any text and `?` for one character; all where there is none.
+    pub images: Option<String>,
 }
 
-/// An image of a file: all corners of the board, each with its line and its pixel if it was detected.
+/// A corner as it was detected.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Detected {
+    pub(super) pixel: Vector2<f64>,
+    pub(super) weight: f64,
+}
+
+/// An image of a file: all corners of the board, each with its line and whether it was detected.
 pub(super) struct Seen {
     pub(super) name: String,
     pub(super) line: usize,
-    pub(super) corners: Vec<(Option<Vector2<f64>>, usize)>,
+    pub(super) corners: Vec<(Option<Detected>, usize)>,
 }
 
 impl Seen {
@@ -42,15 +51,19 @@ impl Seen {
         self.corners.last().map_or(self.line, |(_, line)| *line)
     }
 
-    /// Index on the board, pixel and line of those detected.
-    fn detected(&self) -> impl Iterator<Item = (usize, Vector2<f64>, usize)> + '_ {
-        self.corners.iter().enumerate().filter_map(|(index, (pixel, line))| Some((index, (*pixel)?, *line)))
+    /// Those detected.
+    fn detected(&self) -> impl Iterator<Item = Corner> + '_ {
+        let corners = self.corners.iter().enumerate();
+        corners.filter_map(|(index, (detected, _))| {
+            detected.map(|Detected { pixel, weight }| Corner { index, pixel, weight })
+        })
     }
 }
 
 /// The detections of `text`: calipose's own JSON if it begins with a brace, else mrcal's vnl.
 ///
-/// A file that has board and image size must agree with what is `stated`; one that has not needs it.
+/// A file that has board and image size must agree with what is `stated`; one that has not needs it. Images of several cameras,
+/// as far as their names tell, need a pattern that chooses one's.
 ///
 /// # Errors
 /// The first fault, with its line.
@@ -71,13 +84,35 @@ pub fn read_detections(text: &str, stated: &Stated) -> Result<Detections, ReadEr
         let image = stated.image.ok_or_else(|| ReadFault::NotStated { what: "image size" }.at(1))?;
         (board, image, vnl::read(text, &board)?)
     };
+    let images = chosen(images, stated.images.as_deref())?;
     let (seen, skipped): (Vec<Seen>, Vec<Seen>) = images.into_iter().partition(|image| image.detected().count() > 0);
-    let view = |image: &Seen| -> View { image.detected().map(|(index, pixel, _)| Corner { index, pixel }).collect() };
-    let views = seen.iter().map(view).collect();
+    let views = seen.iter().map(|image| -> View { image.detected().collect() }).collect();
     let observations =
         Observations::new(board, width, height, views).map_err(|fault| located(fault, &seen, text.lines().count()))?;
     let names = |images: Vec<Seen>| images.into_iter().map(|image| image.name).collect();
     Ok(Detections { observations, names: names(seen), skipped: names(skipped) })
+}
+
+/// The images whose names match `pattern`.
+fn chosen(mut images: Vec<Seen>, pattern: Option<&str>) -> Result<Vec<Seen>, ReadError> {
+    let line = images.first().map_or(1, |image| image.line);
+    match pattern {
+        Some(pattern) => {
+            let (of, first) = (images.len(), images.first().map(|image| image.name.clone()).unwrap_or_default());
+            images.retain(|image| images::matches(pattern, &image.name));
+            if images.is_empty() {
+                return Err(ReadFault::NoImage { pattern: pattern.to_owned(), of, first }.at(line));
+            }
+        }
+        None => {
+            let cameras = images::cameras(images.iter().map(|image| image.name.as_str()));
+            if !cameras.is_empty() {
+                let cameras = cameras.into_iter().map(|(name, count)| (name.to_owned(), count)).collect();
+                return Err(ReadFault::Cameras { cameras }.at(line));
+            }
+        }
+    }
+    Ok(images)
 }
 
 /// The place in the file of what the check of all views found.
@@ -89,6 +124,7 @@ fn located(fault: ObservationError, seen: &[Seen], last_line: usize) -> ReadErro
         E::NotOnBoard { view, index, .. }
         | E::Duplicate { view, index }
         | E::NotFinite { view, index, .. }
+        | E::Weight { view, index, .. }
         | E::OutsideImage { view, index, .. } => (Some(view), Some(index)),
     };
     let Some(image) = view.and_then(|view| seen.get(view)) else {

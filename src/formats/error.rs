@@ -191,6 +191,22 @@ pub enum ReadFault {
         /// As it is known.
         given: String,
     },
+    /// The images are of several cameras.
+    #[error("the images are of {} cameras, by their names: {}", cameras.len(), counts(cameras))]
+    Cameras {
+        /// What the names call each, and how many images it has.
+        cameras: Vec<(String, usize)>,
+    },
+    /// No image is meant.
+    #[error("none of the {of} images has a name like `{pattern}`; the first is \"{first}\"")]
+    NoImage {
+        /// The form of the names.
+        pattern: String,
+        /// Images in the file.
+        of: usize,
+        /// Name of the first.
+        first: String,
+    },
     /// The detections of a view cannot be calibrated from.
     #[error("image \"{view}\"{}", without_number(fault))]
     View {
@@ -217,6 +233,18 @@ fn after(text: &str) -> String {
 
 fn cameras(names: &[String]) -> String {
     if names.is_empty() { "a single camera, which needs no name".to_owned() } else { names.join(", ") }
+}
+
+/// Most cameras that are named.
+const MOST_NAMED: usize = 8;
+
+fn counts(cameras: &[(String, usize)]) -> String {
+    let named = cameras.iter().take(MOST_NAMED).map(|(name, count)| format!("{name} ({count} images)"));
+    let mut text = named.collect::<Vec<_>>().join(", ");
+    if cameras.len() > MOST_NAMED {
+        text += &format!(" and {} more", cameras.len() - MOST_NAMED);
+    }
+    text
 }
 
 /// A number as one would write it: very large and very small ones with an exponent.

@@ -20,6 +20,7 @@ mod coefficients;
 mod detections;
 mod error;
 mod file;
+mod images;
 mod kalibr;
 mod matrix;
 mod mesh;

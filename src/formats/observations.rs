@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 
 use super::camera::image_side;
-use super::detections::{LARGEST_PIXEL, Seen};
+use super::detections::{Detected, LARGEST_PIXEL, Seen};
 use super::error::{ReadError, ReadFault};
 use super::tree::{self, Node};
 use crate::target::Board;
@@ -70,7 +70,7 @@ fn view(node: &Node, i: usize, board: &Board) -> Result<Seen, ReadError> {
             node.number(&key)?.between(&key, -LARGEST_PIXEL, LARGEST_PIXEL)
         };
         let (u, v) = (number(0, u)?, number(1, v)?);
-        Ok((Some(Vector2::new(u, v)), corner.line))
+        Ok((Some(Detected { pixel: Vector2::new(u, v), weight: 1.0 }), corner.line))
     };
     let corners = corners.iter().enumerate().map(pixel).collect::<Result<_, ReadError>>()?;
     Ok(Seen { name, line: node.line, corners })

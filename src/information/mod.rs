@@ -7,6 +7,7 @@ mod map_error;
 pub mod packed;
 mod set;
 mod view;
+mod weakest;
 mod zhang;
 
 pub use criterion::Criterion;
@@ -14,4 +15,5 @@ pub use diversity::DiversityModel;
 pub use map_error::{map_error_at, map_error_weight, pixel_units};
 pub use set::{InformationError, InformationSet};
 pub use view::Measurement;
+pub use weakest::{Weakest, weakest};
 pub use zhang::ZHANG_DIRECTIONS;

@@ -19,6 +19,8 @@ mod proof;
 mod reach;
 mod recall;
 mod refine;
+mod rehearsal;
+mod retaken;
 mod survey;
 mod verify;
 
@@ -46,5 +48,6 @@ pub use proof::{AccuracyDocument, CertificateDocument, CertificateTerm, FewestDo
 pub use reach::reach_starts;
 pub use recall::RecallError;
 pub use refine::candidates;
+pub use rehearsal::Rehearsal;
 pub use survey::{Survey, SurveyError, survey};
 pub use verify::{VerifyError, verify};

@@ -9,6 +9,9 @@ use thiserror::Error;
 
 use super::fault::Fault;
 
+/// Faults that are drawn at most.
+const MOST_DRAWN: usize = 50;
+
 /// Why a problem file cannot be used. As a [`Diagnostic`] it draws every fault under its line of the file.
 #[derive(Debug, Error)]
 pub enum ProblemError {
@@ -41,6 +44,13 @@ pub enum ProblemError {
 fn summary(faults: &[Fault], file: &str) -> String {
     match faults {
         [fault] => fault.to_string(),
+        _ if faults.len() > MOST_DRAWN => {
+            format!(
+                "{file} has {} errors; the first {MOST_DRAWN} are shown, and {} more",
+                faults.len(),
+                faults.len() - MOST_DRAWN
+            )
+        }
         _ => format!("{file} has {} errors", faults.len()),
     }
 }
@@ -92,7 +102,7 @@ impl Diagnostic for ProblemError {
     fn related<'a>(&'a self) -> Option<Box<dyn Iterator<Item = &'a dyn Diagnostic> + 'a>> {
         match self.faults() {
             [] | [_] => None,
-            faults => Some(Box::new(faults.iter().map(|fault| fault as &dyn Diagnostic))),
+            faults => Some(Box::new(faults.iter().take(MOST_DRAWN).map(|fault| fault as &dyn Diagnostic))),
         }
     }
 }

@@ -44,7 +44,7 @@ impl Scene {
                     return None;
                 }
                 let noise = Vector2::new(rng.sample(StandardNormal), rng.sample(StandardNormal));
-                Some(Corner { index, pixel: pixel + noise * *sigma })
+                Some(Corner { index, pixel: pixel + noise * *sigma, weight: 1.0 })
             };
             views.push(board.corners().enumerate().filter_map(&mut see).collect());
         }

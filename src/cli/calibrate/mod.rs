@@ -1,24 +1,26 @@
 //! `calipose calibrate`.
 
+mod fit;
+mod judgement;
+mod parameters;
 mod report;
 
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use fit::{fit, other_lens, unknown_camera};
+use parameters::ParameterArguments;
 use report::Report;
 
 use super::failure::Failure;
 use super::screen::Screen;
 use super::verdict::Verdict;
 use super::{WRITING, by_name};
-use crate::calibration::{
-    Calibration, CalibrationError, CalibrationSettings, Loss, Observations, RefinementSettings, calibrate,
-};
 use crate::camera::{Camera, Lens};
 use crate::formats::{CameraFormat, Detections, Stated, read_detections_file};
-use crate::plan::write_atomically;
-use crate::problem::Problem;
+use crate::plan::write_together;
+use crate::problem::{Accuracy, Problem};
 use crate::target::Board;
 
 #[derive(Debug, Args)]
@@ -40,6 +42,14 @@ pub(super) struct CalibrateArguments {
     /// Lens model [default: brown-conrady]
     #[arg(long, value_parser = by_name(&Lens::ALL, Lens::name))]
     lens: Option<Lens>,
+    #[command(flatten)]
+    parameters: ParameterArguments,
+    /// Take the images with such a name only, `*` for any text, as in '*cam0*'
+    #[arg(long, value_name = "PATTERN")]
+    images: Option<String>,
+    /// Map error to judge the camera by, in px [default: the problem file's accuracy, else 1]
+    #[arg(long = "map-error-px", value_name = "PX", value_parser = map_error)]
+    map_error: Option<f64>,
     /// How much a corner's error counts; huber and cauchy withstand outliers
     #[arg(long, default_value = "squared")]
     loss: LossName,
@@ -70,77 +80,106 @@ enum FormatName {
     All,
 }
 
-/// Scale, px, of a robust loss before the noise is known.
-const FIRST_SCALE: f64 = 1.0;
-
 pub(super) fn run(arguments: &CalibrateArguments, screen: &mut Screen) -> Result<Verdict, Failure> {
-    let (stated, model) = setting(arguments)?;
+    let setting = Setting::read(arguments)?;
     let path = &arguments.observations;
-    let found =
-        read_detections_file(path, &stated).map_err(|error| Failure::Observations { path: path.clone(), error })?;
+    let found = read_detections_file(path, &setting.stated)
+        .map_err(|error| Failure::Observations { path: path.clone(), error })?;
     let Detections { observations, names, .. } = &found;
-    let (nominal, estimated) = match model {
-        Some(model) => model,
-        None => unknown_camera(arguments.lens.unwrap_or(Lens::BrownConrady), observations)?,
+    let (nominal, estimated, is_known) = match &setting.problem {
+        Some(Problem { camera, estimated, .. }) => (camera.clone(), estimated.clone(), true),
+        None => {
+            let camera = unknown_camera(arguments.lens.unwrap_or(Lens::BrownConrady), observations)?;
+            let all = (0..camera.intrinsics().len()).collect();
+            (camera, all, false)
+        }
     };
+    let model = arguments.parameters.model(&nominal, &estimated, is_known)?;
     let formats = formats(arguments.camera_format, &nominal)?;
     let bar = screen.progress("calibrating", 1);
-    let calibrated = fit(observations, &nominal, &estimated, arguments.loss);
+    let calibrated = fit(observations, &model, arguments.loss);
+    let other = other_lens(observations, nominal.lens());
     bar.finish_and_clear();
-    let calibration =
-        calibrated.map_err(|error| Failure::Calibration { error, path: path.clone(), names: names.clone() })?;
+    let calibration = calibrated.map_err(|error| Failure::Calibration {
+        error: Box::new(error),
+        path: path.clone(),
+        names: names.clone(),
+        fits: other.map(|other| (other.lens.name(), other.rms)),
+    })?;
 
-    let report = Report::new(&found, &calibration);
+    let report = Report::new(&found, &calibration, other, &setting.wished, arguments.loss);
     let document = report.document();
-    let mut files = vec![("calibration.json", format!("{document:#}\n"))];
+    let mut files = vec![("calibration.json", format!("{document:#}\n").into_bytes())];
     let mut left_out = String::new();
     for format in formats {
         match format.write(&calibration.camera) {
-            Ok(text) => files.push((format.file_name(), text)),
+            Ok(text) => files.push((format.file_name(), text.into_bytes())),
             Err(error) if arguments.camera_format == FormatName::All => {
                 left_out += &format!("\nNot written: {}, because {error}.", format.file_name());
             }
             Err(error) => return Err(Failure::Usage(error.to_string())),
         }
     }
+    // Camera files beside an older calibration are of that.
+    let is_ours = arguments.output.join("calibration.json").exists();
+    let stale: Vec<&str> = CameraFormat::ALL.iter().filter(|_| is_ours).map(|format| format.file_name()).collect();
     let writing = WRITING.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    for (name, text) in &files {
-        write_atomically(&arguments.output.join(name), text.as_bytes())?;
-    }
+    write_together(&arguments.output, &files, &stale)?;
     drop(writing);
     screen.document(&document.to_string())?;
     let written: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
     let (folder, written) = (arguments.output.display(), written.join(", "));
     screen.text(&format!("{}\nWritten to {folder}: {written}.{left_out}", report.text()))?;
-    Ok(Verdict::Good)
+    Ok(Verdict::good_if(!report.is_bad()))
 }
 
-/// The nominal camera, of which what is not estimated is kept, and the intrinsics to estimate.
-type Model = (Camera, Vec<usize>);
+/// What the command line and the problem file say.
+struct Setting {
+    stated: Stated,
+    problem: Option<Problem>,
+    wished: Vec<Wish>,
+}
 
-/// What the command line or the problem file says of the detections, and the latter of the camera.
-fn setting(arguments: &CalibrateArguments) -> Result<(Stated, Option<Model>), Failure> {
-    if let Some(path) = &arguments.problem {
-        let Problem { camera, target, estimated, .. } = Problem::read(path)?;
-        let stated = Stated { board: Some(target.board), image: Some([camera.width(), camera.height()]) };
-        return Ok((stated, Some((camera, estimated))));
+/// An accuracy wished for: px of map error, or the standard deviation of an intrinsic.
+#[derive(Debug, Clone, Copy)]
+enum Wish {
+    MapError(f64),
+    Sigma { intrinsic: usize, sigma: f64 },
+}
+
+impl Setting {
+    fn read(arguments: &CalibrateArguments) -> Result<Self, Failure> {
+        let problem = arguments.problem.as_deref().map(Problem::read).transpose()?;
+        let images = arguments.images.clone();
+        let stated = match &problem {
+            Some(Problem { camera, target, .. }) => {
+                Stated { board: Some(target.board), image: Some([camera.width(), camera.height()]), images }
+            }
+            None => {
+                let board = arguments.board.zip(arguments.square).map(|([columns, rows], square)| Board {
+                    columns: columns as usize,
+                    rows: rows as usize,
+                    square: square / 1e3,
+                });
+                Stated { board, image: arguments.image, images }
+            }
+        };
+        let wish = |problem: &Problem, &(accuracy, wished): &(Accuracy, f64)| match accuracy {
+            Accuracy::MapError => Some(Wish::MapError(wished)),
+            Accuracy::Intrinsic(j) => {
+                problem.estimated.get(j).map(|&intrinsic| Wish::Sigma { intrinsic, sigma: wished })
+            }
+        };
+        let mut wished: Vec<Wish> = problem
+            .iter()
+            .flat_map(|problem| problem.selection.accuracies.iter().filter_map(|accuracy| wish(problem, accuracy)))
+            .collect();
+        if let Some(map_error) = arguments.map_error {
+            wished.retain(|wish| !matches!(wish, Wish::MapError(_)));
+            wished.push(Wish::MapError(map_error));
+        }
+        Ok(Self { stated, problem, wished })
     }
-    let board = arguments.board.zip(arguments.square).map(|([columns, rows], square)| Board {
-        columns: columns as usize,
-        rows: rows as usize,
-        square: square / 1e3,
-    });
-    Ok((Stated { board, image: arguments.image }, None))
-}
-
-/// A camera of which nothing but image size and lens is known: all its intrinsics are estimated, and not read.
-fn unknown_camera(lens: Lens, observations: &Observations) -> Result<Model, Failure> {
-    let count = lens.parameter_names().len();
-    let mut θ = vec![0.0; count];
-    θ[..2].fill(1.0);
-    let camera = Camera::new(lens, observations.width(), observations.height(), &θ)
-        .map_err(|error| Failure::Usage(error.to_string()))?;
-    Ok((camera, (0..count).collect()))
 }
 
 /// The formats to write: one, which must know the lens, or all.
@@ -157,28 +196,6 @@ fn formats(name: FormatName, camera: &Camera) -> Result<Vec<CameraFormat>, Failu
         Ok(_) => Ok(vec![one]),
         Err(error) => Err(Failure::Usage(error.to_string())),
     }
-}
-
-/// A robust loss takes its scale from the noise, and the noise from a first calibration.
-fn fit(
-    observations: &Observations,
-    nominal: &Camera,
-    estimated: &[usize],
-    loss: LossName,
-) -> Result<Calibration, CalibrationError> {
-    let with = |loss: Loss| {
-        let refinement = RefinementSettings { loss, ..RefinementSettings::default() };
-        let settings = CalibrationSettings { refinement, ..CalibrationSettings::default() };
-        calibrate(observations, nominal, estimated, &settings)
-    };
-    // The usual choices: about 95 % efficient under Gaussian noise.
-    let (robust, tuning): (fn(f64) -> Loss, f64) = match loss {
-        LossName::Squared => return with(Loss::Squared),
-        LossName::Huber => (|scale| Loss::Huber { scale }, 1.345),
-        LossName::Cauchy => (|scale| Loss::Cauchy { scale }, 2.385),
-    };
-    let noise = with(robust(FIRST_SCALE))?.sigma;
-    with(robust((tuning * noise).max(1e-6)))
 }
 
 fn board_size(text: &str) -> Result<[u32; 2], String> {
@@ -198,4 +215,9 @@ fn pair(text: &str, min: u32, max: u32, example: &str) -> Result<[u32; 2], Strin
 fn length(text: &str) -> Result<f64, String> {
     let parsed = text.parse().ok().filter(|x| (1e-3..=1e6).contains(x));
     parsed.ok_or_else(|| "must be a number from 0.001 to 1000000".into())
+}
+
+fn map_error(text: &str) -> Result<f64, String> {
+    let parsed = text.parse().ok().filter(|x: &f64| *x > 0.0 && x.is_finite());
+    parsed.ok_or_else(|| "must be a positive number".into())
 }

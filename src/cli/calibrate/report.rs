@@ -1,19 +1,22 @@
 //! What is said of a calibration: text and document.
 
-use nalgebra::Vector2;
+use nalgebra::{DMatrix, Vector2};
 use serde_json::{Value, json};
 
+use super::fit::OtherLens;
+use super::judgement::{Judgement, Wished, goal, lacks};
+use super::{LossName, Wish};
 use crate::calibration::{Calibration, residuals};
 use crate::cli::screen::{short, table};
 use crate::formats::Detections;
 use crate::information::{map_error_at, map_error_weight};
 use crate::plan::Pose;
 
-/// Outliers listed in the text; the document has all.
+/// Outliers and images without corners listed in the text; the document has all.
 const LISTED: usize = 10;
 
-/// Over this share of outliers something is wrong with the detections or the lens model.
-const MANY_OUTLIERS: f64 = 0.01;
+/// Views listed in the text.
+const LISTED_VIEWS: usize = 100;
 
 /// What there is to say of a calibration.
 pub(super) struct Report<'a> {
@@ -21,6 +24,9 @@ pub(super) struct Report<'a> {
     calibration: &'a Calibration,
     map: MapErrors,
     residuals: ResidualStatistics,
+    wished: Vec<Wished>,
+    judgement: Judgement,
+    verdict: String,
 }
 
 /// Predicted map errors, px; none where the lens does not reach.
@@ -40,7 +46,7 @@ struct ResidualStatistics {
 }
 
 impl MapErrors {
-    fn new(Calibration { camera, estimated, covariance, .. }: &Calibration) -> Self {
+    fn new(Calibration { camera, estimated, covariance, .. }: &Calibration, W: &DMatrix<f64>) -> Self {
         let (right, bottom) = (f64::from(camera.width()) - 1.0, f64::from(camera.height()) - 1.0);
         let (x, y) = (right / 2.0, bottom / 2.0);
         // The root mean square over the places of one kind, those that the lens reaches.
@@ -54,7 +60,7 @@ impl MapErrors {
             centre: at(&[(x, y)]),
             edge: at(&[(0.0, y), (right, y), (x, 0.0), (x, bottom)]),
             corner: at(&[(0.0, 0.0), (right, 0.0), (0.0, bottom), (right, bottom)]),
-            rms: (map_error_weight(camera, estimated) * covariance).trace().sqrt(),
+            rms: (W * covariance).trace().sqrt(),
         }
     }
 }
@@ -77,9 +83,39 @@ impl ResidualStatistics {
 }
 
 impl<'a> Report<'a> {
-    pub(super) fn new(detections: &'a Detections, calibration: &'a Calibration) -> Self {
-        let all = residuals(&detections.observations, &calibration.camera, &calibration.poses).concat();
-        Self { detections, calibration, map: MapErrors::new(calibration), residuals: ResidualStatistics::new(&all) }
+    pub(super) fn new(
+        detections: &'a Detections,
+        calibration: &'a Calibration,
+        other: Option<OtherLens>,
+        wishes: &[Wish],
+        loss: LossName,
+    ) -> Self {
+        let observations = &detections.observations;
+        let Calibration { camera, estimated, covariance, .. } = calibration;
+        let all = residuals(observations, camera, &calibration.poses).concat();
+        let W = map_error_weight(camera, estimated);
+        let map = MapErrors::new(calibration, &W);
+        let wished: Vec<Wished> = wishes
+            .iter()
+            .map(|wish| match *wish {
+                Wish::MapError(wished) => Wished { what: "map error [px]".into(), wished, reached: map.rms },
+                Wish::Sigma { intrinsic, sigma } => {
+                    let i = estimated.iter().position(|&j| j == intrinsic);
+                    let reached = i.map_or(0.0, |i| covariance[(i, i)].sqrt());
+                    let name = camera.lens().parameter_names().get(intrinsic).copied().unwrap_or_default();
+                    Wished { what: format!("sigma of {name}"), wished: sigma, reached }
+                }
+            })
+            .collect();
+        let judgement = Judgement::new(calibration, observations.corner_count(), other, map.rms, &wished);
+        let lacks = lacks(observations, calibration, &W, map.rms, goal(&wished));
+        let verdict = judgement.text(calibration, map.rms, loss, &lacks);
+        Self { detections, calibration, map, residuals: ResidualStatistics::new(&all), wished, judgement, verdict }
+    }
+
+    /// Whether the camera should not be used as it is.
+    pub(super) fn is_bad(&self) -> bool {
+        self.judgement.is_bad()
     }
 
     /// Standard deviation of each intrinsic; 0 for those that were not estimated.
@@ -95,26 +131,36 @@ impl<'a> Report<'a> {
     }
 
     pub(super) fn text(&self) -> String {
-        let Self { detections: Detections { observations, names, skipped }, calibration, map, residuals } = self;
+        let Self { detections: Detections { observations, names, skipped }, calibration, map, residuals, .. } = self;
         let Calibration { camera, rms, sigma, view_rms, outliers, .. } = calibration;
         let intrinsics = camera.lens().parameter_names().iter().zip(camera.intrinsics()).enumerate();
-        let deviation = |i| if calibration.estimated.contains(&i) { short(self.sigma(i)) } else { "fixed".into() };
+        let all = camera.lens().parameter_names();
+        let deviation = |i| match calibration.ties.leader(i) {
+            _ if !calibration.estimated.contains(&i) => "fixed".into(),
+            leader if leader != i => format!("{} = {}", short(self.sigma(i)), all[leader]),
+            _ => short(self.sigma(i)),
+        };
         let intrinsics: Vec<Vec<String>> =
             intrinsics.map(|(i, (name, value))| vec![(*name).into(), format!("{value:.6}"), deviation(i)]).collect();
-        let views = names.iter().zip(view_rms).zip(observations.views());
-        let views: Vec<Vec<String>> =
+        let views = names.iter().zip(view_rms).zip(observations.views()).take(LISTED_VIEWS);
+        let mut views: Vec<Vec<String>> =
             views.map(|((name, rms), view)| vec![name.clone(), view.len().to_string(), short(*rms)]).collect();
+        if names.len() > LISTED_VIEWS {
+            views.push(vec![format!("and {} more", names.len() - LISTED_VIEWS), "-".into(), "-".into()]);
+        }
         let optional = |error: Option<f64>| error.map_or("-".into(), short);
         let mut text = format!(
             "{} views, {} corners; lens {}, {} x {} px.",
-            views.len(),
+            names.len(),
             observations.corner_count(),
             camera.lens().name(),
             camera.width(),
             camera.height(),
         );
         if !skipped.is_empty() {
-            text += &format!(" No corners in {} images, which are left out: {}.", skipped.len(), skipped.join(", "));
+            let more = if skipped.len() > LISTED { ", ..." } else { "" };
+            let listed = skipped[..skipped.len().min(LISTED)].join(", ");
+            text += &format!(" No corners in {} images, which are left out: {listed}{more}.", skipped.len());
         }
         text += &format!(
             "\n\n{}\n\n{}\n\nResiduals [px]: RMS {}, sigma of a coordinate {}; lengths: median {}, 95 % below {}, largest {}; mean \
@@ -145,37 +191,11 @@ impl<'a> Report<'a> {
         if outliers.len() > LISTED {
             text += &format!("... and {} outliers more; --json lists them.\n", outliers.len() - LISTED);
         }
-        text + &format!("\n{}", self.verdict())
-    }
-
-    fn verdict(&self) -> String {
-        let Calibration { sigma, outliers, convergence, .. } = self.calibration;
-        let rms = self.map.rms;
-        if !convergence.converged {
-            return "Do not use this camera: the calibration did not converge.".into();
-        }
-        if outliers.len() as f64 > MANY_OUTLIERS * self.detections.observations.corner_count() as f64 {
-            return format!(
-                "Doubtful: {} corners do not fit. Look at the images named, or at another lens model; `--loss cauchy` \
-                 withstands a few.",
-                outliers.len()
-            );
-        }
-        let (error, noise) = (short(rms), short(*sigma));
-        if rms <= *sigma {
-            format!(
-                "Good: over the image the camera is known to {error} px, better than one corner is seen ({noise} px)."
-            )
-        } else {
-            format!(
-                "Weak: over the image the camera is known to {error} px only, while a corner is seen to {noise} px. Add \
-                 views, tilted differently, with the board near the image's corners."
-            )
-        }
+        text + &format!("\n{}", self.verdict)
     }
 
     pub(super) fn document(&self) -> Value {
-        let Self { detections: Detections { observations, names, skipped }, calibration, map, residuals } = self;
+        let Self { detections: Detections { observations, names, skipped }, calibration, map, residuals, .. } = self;
         let Calibration { camera, estimated, covariance, convergence, .. } = calibration;
         let all = camera.lens().parameter_names();
         let views = names.iter().enumerate().map(|(i, name)| {
@@ -210,6 +230,7 @@ impl<'a> Report<'a> {
                 "sigma": (0..all.len()).map(|i| self.sigma(i)).collect::<Vec<_>>(),
             },
             "estimated": estimated.iter().map(|&i| all[i]).collect::<Vec<_>>(),
+            "tied": calibration.ties.followers().map(|(j, leader)| [all[leader], all[j]]).collect::<Vec<_>>(),
             "covariance": covariance.row_iter().map(|row| row.iter().copied().collect()).collect::<Vec<Vec<f64>>>(),
             "converged": convergence.converged,
             "rms_px": calibration.rms,
@@ -224,7 +245,9 @@ impl<'a> Report<'a> {
             "skipped": skipped,
             "outliers": outliers.collect::<Vec<_>>(),
             "map_error_px": { "centre": map.centre, "edge": map.edge, "corner": map.corner, "rms": map.rms },
-            "verdict": self.verdict(),
+            "wished": self.wished.iter().map(|w| json!({ "what": w.what, "wished": w.wished, "reached": w.reached })).collect::<Vec<_>>(),
+            "judgement": self.judgement.name(),
+            "verdict": self.verdict,
         })
     }
 }
