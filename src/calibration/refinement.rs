@@ -5,7 +5,7 @@ use super::normal_equations::{Measurement, Measurements, NormalEquations, Step};
 use super::observations::Observations;
 use super::start::Start;
 use super::ties::Ties;
-use crate::camera::{Camera, MAX_INTRINSICS};
+use crate::camera::{Camera, Lens, MAX_INTRINSICS};
 use crate::spatial::perturb;
 
 /// How to refine.
@@ -13,7 +13,8 @@ use crate::spatial::perturb;
 pub struct RefinementSettings {
     /// The loss of a corner's residual. Default: squared.
     pub loss: Loss,
-    /// Most iterations, tried steps included. Default: 5000: a rational lens on ordinary views creeps along a valley.
+    /// Most iterations, tried steps included; a rational lens, which creeps along a valley on ordinary views, may take ten
+    /// times as many. Default: 500.
     pub max_iterations: usize,
     /// Iterates until a full Newton step is shorter than this share of the estimate's standard deviation, in every
     /// direction of parameter space. Default: 1e-7. Where rounding ends it before, it has converged all the same if the
@@ -23,7 +24,7 @@ pub struct RefinementSettings {
 
 impl Default for RefinementSettings {
     fn default() -> Self {
-        Self { loss: Loss::Squared, max_iterations: 5000, tolerance: 1e-7 }
+        Self { loss: Loss::Squared, max_iterations: 500, tolerance: 1e-7 }
     }
 }
 
@@ -54,6 +55,9 @@ pub(super) struct Refined {
 /// What is left is negligible below this share of the estimate's deviation. In the valley where a rational lens's numerator
 /// and denominator nearly cancel, no step resolves 1e-5 of it.
 const NEGLIGIBLE: f64 = 1e-3;
+
+/// By how much more iterations a rational lens may take.
+const VALLEY: usize = 10;
 
 /// Steps that move all the corners together by less than this, px, are rounding.
 const ROUNDING: f64 = 1e-11;
@@ -118,7 +122,8 @@ fn refine_sized<const P: usize>(
     let mut growth = GROWTH;
     let mut last_decrement = f64::INFINITY;
     let mut convergence = Convergence { converged: false, iterations: 0, cost, decrement: f64::INFINITY };
-    while convergence.iterations < settings.max_iterations && λ < HOPELESS_DAMPING && cost.is_finite() {
+    let most = if camera.lens() == Lens::Rational { VALLEY } else { 1 }.saturating_mul(settings.max_iterations);
+    while convergence.iterations < most && λ < HOPELESS_DAMPING && cost.is_finite() {
         // A step's length in residuals over their deviation is its length in deviations of the estimate.
         let negligible = (settings.tolerance.powi(2) * cost / excess).max(ROUNDING * ROUNDING);
         let mut solved = equations.solve(λ, &mut step);

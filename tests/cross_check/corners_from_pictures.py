@@ -5,7 +5,8 @@
 
 Without a plan the poses are made up. The camera is that of problems/servosila-engineer.toml: each pixel takes the
 colour that its ray meets on the board's plane, averaged over 5 x 5 rays; a little blur and noise follow, as in a camera. The
-truth is OpenCV's projection. With a second argument the corners found are written there, which made problems/examples/servosila-corners.vnl.
+truth is OpenCV's projection. With a second argument nothing is rendered: the corners as OpenCV projects them, with the
+problem's noise, are written there, which made problems/examples/servosila-corners.vnl.
 """
 
 import json
@@ -60,23 +61,29 @@ def render(K, D, size, X_CT, board, rng):
     """Grey picture of the board, white around it, grey beyond."""
     width, height = size
     columns, rows, square = board
+    # Nothing but the rectangle around the board's white rim is looked at.
+    R, t = X_CT
+    along = np.linspace(-1, 1, 50)
+    rim = np.array([[x, y, 0] for x in along for y in along]) * [(columns + 3) / 2 * square, (rows + 3) / 2 * square, 1]
+    pixels = cv2.projectPoints(rim, cv2.Rodrigues(R)[0], t, K, D)[0].reshape(-1, 2)
+    left, top = np.clip(np.floor(pixels.min(axis=0)).astype(int) - 5, 0, [width, height])
+    right, bottom = np.clip(np.ceil(pixels.max(axis=0)).astype(int) + 5, 0, [width, height])
     steps = (np.arange(FINE) + 0.5) / FINE - 0.5
-    u = (np.arange(width)[:, None] + steps).ravel()
+    u = (np.arange(left, right)[:, None] + steps).ravel()
     v = (np.arange(height)[:, None] + steps).ravel()
-    picture = np.zeros((height, width))
-    for j in range(height):
+    picture = np.full((height, width), 120.0)
+    for j in range(top, bottom):
         grid = np.stack(np.meshgrid(u, v[j * FINE : (j + 1) * FINE]), axis=-1).reshape(-1, 2)
         m = undistorted(grid, K, D)
         rays = np.column_stack([m, np.ones(len(m))])
         # Rays in T: from the camera's centre along Rᵀray.
-        R, t = X_CT
         centre, direction = -R.T @ t, rays @ R
         p = centre + direction * (-centre[2] / direction[:, 2])[:, None]
         i, k = np.floor(p[:, 0] / square + (columns + 1) / 2), np.floor(p[:, 1] / square + (rows + 1) / 2)
         on_board = (i >= 0) & (i <= columns) & (k >= 0) & (k <= rows)
         rim = (i >= -1) & (i <= columns + 1) & (k >= -1) & (k <= rows + 1)
         colour = np.where(on_board, np.where((i + k) % 2 == 0, 30.0, 225.0), np.where(rim, 225.0, 120.0))
-        picture[j] = colour.reshape(FINE, width, FINE).mean(axis=(0, 2))
+        picture[j, left:right] = colour.reshape(FINE, right - left, FINE).mean(axis=(0, 2))
     picture = cv2.GaussianBlur(picture, (0, 0), 0.6) + rng.normal(0, NOISE, picture.shape)
     return np.clip(np.round(picture), 0, 255).astype(np.uint8)
 
@@ -102,6 +109,21 @@ def made_up(distance):
         yield cv2.Rodrigues(tilt)[0] @ np.diag([1.0, -1, -1]), np.array([0.03 * n - 0.08, 0.02 * (n % 3), distance])
 
 
+def simulate(poses, points, K, D, size, noise, rng):
+    """A table of the corners at the poses with Gaussian noise."""
+    lines = [
+        "## Simulated by tests/cross_check/corners_from_pictures.py: the views that the poses of a plan for",
+        f"## problems/servosila-engineer.toml give of its board, each coordinate with noise of {noise} px. Of no real camera.",
+        "# filename x y level",
+    ]
+    for n, (R, t) in enumerate(poses):
+        pixels = cv2.projectPoints(points, cv2.Rodrigues(R)[0], t, K, D)[0].reshape(-1, 2)
+        for x, y in pixels + rng.normal(0, noise, pixels.shape):
+            inside = 0 <= x <= size[0] - 1 and 0 <= y <= size[1] - 1
+            lines.append(f"view{n:02}.png {x:.3f} {y:.3f} 0" if inside else f"view{n:02}.png - - -")
+    return "\n".join(lines) + "\n"
+
+
 def main():
     problem = tomllib.loads((ROOT / "problems/servosila-engineer.toml").read_text())
     K, D, size = camera(problem)
@@ -117,6 +139,10 @@ def main():
     points = np.array(
         [[(i - (columns - 1) / 2) * square, (j - (rows - 1) / 2) * square, 0] for j in range(rows) for i in range(columns)]
     )
+    if len(sys.argv) > 2:
+        simulated = simulate(poses, points, K, D, size, problem["noise"]["sigma_px"], rng)
+        pathlib.Path(sys.argv[2]).write_text(simulated)
+        return
     with tempfile.TemporaryDirectory() as folder:
         names, truths = [], []
         for n, (R, t) in enumerate(poses):
@@ -145,12 +171,6 @@ def main():
     errors = np.concatenate(errors)
     rms = np.sqrt((errors**2).mean())
     print(f"{len(found)} of {len(names)} boards found; RMS {rms:.4f} px a coordinate, mean {errors.mean(axis=0).round(4)}")
-    if len(sys.argv) > 2:
-        header = (
-            "## Corners found by examples/corners_from_pictures.py in pictures that tests/cross_check/corners_from_pictures.py\n"
-            "## rendered at the poses of a plan for problems/servosila-engineer.toml: not of a real camera.\n"
-        )
-        pathlib.Path(sys.argv[2]).write_text(header + table)
     assert len(found) >= len(names) - 1 and rms < 0.1 and np.abs(errors.mean(axis=0)).max() < 0.03
 
 

@@ -11,7 +11,7 @@ use crate::camera::{Camera, Lens};
 const FIRST_SCALE: f64 = 1.0;
 
 /// Iterations after which another lens is given up.
-const OTHER_ITERATIONS: usize = 200;
+const OTHER_ITERATIONS: usize = 60;
 
 /// The first lens tried is taken before one that leaves less noise than so.
 const ALIKE: f64 = 1.05;
