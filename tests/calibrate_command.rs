@@ -447,7 +447,14 @@ fn camera_files_of_an_older_calibration_go() {
     assert!(names().contains(&"camera.cameramodel".to_owned()));
     std::fs::write(folder.path().join("calibration/notes.txt"), "mine").unwrap();
     run(&["--lens", "kannala-brandt"]);
-    let expected = ["calibration.json", "camera.opencv.json", "camera.opencv.yaml", "camera_info.yaml", "notes.txt"];
+    let expected = [
+        "calibration.json",
+        "camchain.yaml",
+        "camera.opencv.json",
+        "camera.opencv.yaml",
+        "camera_info.yaml",
+        "notes.txt",
+    ];
     assert_eq!(names(), expected);
     run(&["--lens", "kannala-brandt", "--camera-format", "ros"]);
     assert_eq!(names(), ["calibration.json", "camera_info.yaml", "notes.txt"]);
