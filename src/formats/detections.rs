@@ -96,20 +96,17 @@ pub fn read_detections(text: &str, stated: &Stated) -> Result<Detections, ReadEr
 /// The images whose names match `pattern`.
 fn chosen(mut images: Vec<Seen>, pattern: Option<&str>) -> Result<Vec<Seen>, ReadError> {
     let line = images.first().map_or(1, |image| image.line);
-    match pattern {
-        Some(pattern) => {
-            let (of, first) = (images.len(), images.first().map(|image| image.name.clone()).unwrap_or_default());
-            images.retain(|image| images::matches(pattern, &image.name));
-            if images.is_empty() {
-                return Err(ReadFault::NoImage { pattern: pattern.to_owned(), of, first }.at(line));
-            }
+    if let Some(pattern) = pattern {
+        let (of, first) = (images.len(), images.first().map(|image| image.name.clone()).unwrap_or_default());
+        images.retain(|image| images::matches(pattern, &image.name));
+        if images.is_empty() {
+            return Err(ReadFault::NoImage { pattern: pattern.to_owned(), of, first }.at(line));
         }
-        None => {
-            let cameras = images::cameras(images.iter().map(|image| image.name.as_str()));
-            if !cameras.is_empty() {
-                let cameras = cameras.into_iter().map(|(name, count)| (name.to_owned(), count)).collect();
-                return Err(ReadFault::Cameras { cameras }.at(line));
-            }
+    } else {
+        let cameras = images::cameras(images.iter().map(|image| image.name.as_str()));
+        if !cameras.is_empty() {
+            let cameras = cameras.into_iter().map(|(name, count)| (name.to_owned(), count)).collect();
+            return Err(ReadFault::Cameras { cameras }.at(line));
         }
     }
     Ok(images)

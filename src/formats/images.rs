@@ -48,7 +48,7 @@ fn camera_of(name: &str) -> Option<&str> {
             before.is_none_or(|c| !c.is_alphabetic()).then_some(start)
         })
     };
-    let numbered = words().filter_map(|start| {
+    let mut numbered = words().filter_map(|start| {
         let rest = &name[start..];
         let word = ["camera", "cam"].into_iter().find(|word| starts_with(rest, word))?;
         let number = rest[word.len()..].trim_start_matches(['-', '_']);
@@ -63,7 +63,7 @@ fn camera_of(name: &str) -> Option<&str> {
             name[end..].chars().next().is_none_or(|c| !c.is_alphabetic()).then(|| &name[start..end])
         })
     };
-    numbered.last().or_else(sided)
+    numbered.next_back().or_else(sided)
 }
 
 fn starts_with(text: &str, word: &str) -> bool {

@@ -31,7 +31,7 @@ const NAMED: f64 = 0.3;
 pub(super) struct Wished {
     /// What is to be accurate: `map error`, `sigma of fx`.
     pub(super) what: String,
-    pub(super) wished: f64,
+    pub(super) limit: f64,
     pub(super) reached: f64,
 }
 
@@ -61,7 +61,7 @@ impl Judgement {
         map_error: f64,
         wished: &[Wished],
     ) -> Self {
-        let missed: Vec<_> = wished.iter().filter(|w| w.reached > w.wished).cloned().collect();
+        let missed: Vec<_> = wished.iter().filter(|w| w.reached > w.limit).cloned().collect();
         let outliers = calibration.outliers.len();
         if !calibration.convergence.converged {
             Self::NotConverged
@@ -121,8 +121,8 @@ impl Judgement {
                 )
             }
             Self::Missed(missed) => {
-                let each = |Wished { what, wished, reached }: &Wished| {
-                    format!("{what} is {} where {wished} is wished for", short(*reached))
+                let each = |Wished { what, limit, reached }: &Wished| {
+                    format!("{what} is {} where {limit} is wished for", short(*reached))
                 };
                 let missed = missed.iter().map(each).collect::<Vec<_>>().join(", ");
                 format!("Not accurate enough: {missed}.{lacks}")
@@ -188,6 +188,6 @@ pub(super) fn lacks(
 pub(super) fn goal(wished: &[Wished]) -> Option<f64> {
     match wished {
         [] => Some(USUAL_MAP_ERROR),
-        _ => wished.iter().find(|w| w.what.starts_with("map error")).map(|w| w.wished),
+        _ => wished.iter().find(|w| w.what.starts_with("map error")).map(|w| w.limit),
     }
 }

@@ -86,13 +86,12 @@ pub(super) fn run(arguments: &CalibrateArguments, screen: &mut Screen) -> Result
     let found = read_detections_file(path, &setting.stated)
         .map_err(|error| Failure::Observations { path: path.clone(), error })?;
     let Detections { observations, names, .. } = &found;
-    let (nominal, estimated, is_known) = match &setting.problem {
-        Some(Problem { camera, estimated, .. }) => (camera.clone(), estimated.clone(), true),
-        None => {
-            let camera = unknown_camera(arguments.lens.unwrap_or(Lens::BrownConrady), observations)?;
-            let all = (0..camera.intrinsics().len()).collect();
-            (camera, all, false)
-        }
+    let (nominal, estimated, is_known) = if let Some(Problem { camera, estimated, .. }) = &setting.problem {
+        (camera.clone(), estimated.clone(), true)
+    } else {
+        let camera = unknown_camera(arguments.lens.unwrap_or(Lens::BrownConrady), observations)?;
+        let all = (0..camera.intrinsics().len()).collect();
+        (camera, all, false)
     };
     let model = arguments.parameters.model(&nominal, &estimated, is_known)?;
     let formats = formats(arguments.camera_format, &nominal)?;
@@ -151,18 +150,15 @@ impl Setting {
     fn read(arguments: &CalibrateArguments) -> Result<Self, Failure> {
         let problem = arguments.problem.as_deref().map(Problem::read).transpose()?;
         let images = arguments.images.clone();
-        let stated = match &problem {
-            Some(Problem { camera, target, .. }) => {
-                Stated { board: Some(target.board), image: Some([camera.width(), camera.height()]), images }
-            }
-            None => {
-                let board = arguments.board.zip(arguments.square).map(|([columns, rows], square)| Board {
-                    columns: columns as usize,
-                    rows: rows as usize,
-                    square: square / 1e3,
-                });
-                Stated { board, image: arguments.image, images }
-            }
+        let stated = if let Some(Problem { camera, target, .. }) = &problem {
+            Stated { board: Some(target.board), image: Some([camera.width(), camera.height()]), images }
+        } else {
+            let board = arguments.board.zip(arguments.square).map(|([columns, rows], square)| Board {
+                columns: columns as usize,
+                rows: rows as usize,
+                square: square / 1e3,
+            });
+            Stated { board, image: arguments.image, images }
         };
         let wish = |problem: &Problem, &(accuracy, wished): &(Accuracy, f64)| match accuracy {
             Accuracy::MapError => Some(Wish::MapError(wished)),

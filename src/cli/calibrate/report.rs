@@ -98,12 +98,12 @@ impl<'a> Report<'a> {
         let wished: Vec<Wished> = wishes
             .iter()
             .map(|wish| match *wish {
-                Wish::MapError(wished) => Wished { what: "map error [px]".into(), wished, reached: map.rms },
+                Wish::MapError(limit) => Wished { what: "map error [px]".into(), limit, reached: map.rms },
                 Wish::Sigma { intrinsic, sigma } => {
                     let i = estimated.iter().position(|&j| j == intrinsic);
                     let reached = i.map_or(0.0, |i| covariance[(i, i)].sqrt());
                     let name = camera.lens().parameter_names().get(intrinsic).copied().unwrap_or_default();
-                    Wished { what: format!("sigma of {name}"), wished: sigma, reached }
+                    Wished { what: format!("sigma of {name}"), limit: sigma, reached }
                 }
             })
             .collect();
@@ -245,7 +245,7 @@ impl<'a> Report<'a> {
             "skipped": skipped,
             "outliers": outliers.collect::<Vec<_>>(),
             "map_error_px": { "centre": map.centre, "edge": map.edge, "corner": map.corner, "rms": map.rms },
-            "wished": self.wished.iter().map(|w| json!({ "what": w.what, "wished": w.wished, "reached": w.reached })).collect::<Vec<_>>(),
+            "wished": self.wished.iter().map(|w| json!({ "what": w.what, "wished": w.limit, "reached": w.reached })).collect::<Vec<_>>(),
             "judgement": self.judgement.name(),
             "verdict": self.verdict,
         })
