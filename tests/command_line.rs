@@ -89,11 +89,16 @@ fn plan_says_and_writes_what_it_found() {
     assert_eq!(count("axis_inside") + count("axis_edge"), count("kept") + rejected);
 
     let (header, rows) = read_csv(&desk.path("out/plan.csv"));
-    assert_eq!(header[..3], ["id", "joint_waist", "joint_shoulder"]);
+    let joints = ["waist", "shoulder", "elbow", "neck"];
+    assert_eq!(header[0], "id");
+    assert_eq!(header[1..5], joints.map(|name| format!("joint_{name}_rad")));
+    assert_eq!(header[5..9], joints.map(|name| format!("joint_{name}_deg")));
+    assert_eq!(header[9], "camera_x_m");
     assert_eq!(rows.len(), 10);
     for (row, pose) in rows.iter().zip(poses) {
         assert_eq!(row[0], pose["id"].as_f64().unwrap());
         assert_eq!(row[1], pose["joints_rad"][0].as_f64().unwrap());
+        assert_eq!(row[5], pose["joints_deg"][0].as_f64().unwrap());
         assert_eq!(row.last(), pose["share"].as_f64().as_ref());
     }
     assert_eq!(keys(&read_json(&desk.path("out/run.json"))["seconds"]), ["survey", "selection", "total"]);
@@ -127,7 +132,7 @@ fn the_candidates_are_the_same_in_both_formats() {
 
     let (header, rows) = read_csv(&desk.path("out/candidates.csv"));
     assert_eq!(rows.len() as u64, kept);
-    assert_eq!(header[..5], ["id", "joint_waist", "joint_shoulder", "joint_elbow", "joint_neck"]);
+    assert_eq!(header[..5], ["id", "joint_waist_rad", "joint_shoulder_rad", "joint_elbow_rad", "joint_neck_rad"]);
     assert_eq!(header.len(), 1 + 4 + 7 + 3 + 2);
     let file = std::fs::File::open(desk.path("table/candidates.parquet")).unwrap();
     let reader = SerializedFileReader::new(file).unwrap();
@@ -207,10 +212,10 @@ fn too_many_or_too_few_poses_are_explained() {
     );
     for method in ["best", "greedy", "random", "kmeans-joints"] {
         let complaint = desk.complaint(&format!("plan pinhole.toml -k 1 --method {method}"), 1);
-        assert!(complaint.contains("1 poses cannot determine all intrinsics; they leave open: 1.000 "), "{complaint}");
+        assert!(complaint.contains("1 pose cannot determine all intrinsics; left open: 1.000 "), "{complaint}");
         assert!(complaint.contains("ask for more poses"), "{complaint}");
     }
-    assert!(desk.complaint("plan coarse.toml -k 0", 2).contains("at least one pose"));
+    assert!(desk.complaint("plan coarse.toml -k 0", 2).contains("at least 1"));
     assert!(!desk.path("plans").exists());
 }
 
@@ -222,7 +227,13 @@ fn wrong_command_lines_end_with_two() {
         ("plam coarse.toml", "similar"),
         ("plan coarse.toml --method gredy", "'greedy'"),
         ("plan coarse.toml --criterion z", "possible values: d, a, e, v, zhang, diversity"),
-        ("plan coarse.toml --count ten", "invalid"),
+        ("plan coarse.toml --count ten", "must be a whole number, at least 1"),
+        ("plan coarse.toml --count -3", "must be a whole number, at least 1"),
+        ("compare coarse.toml -k -3,10", "must be a whole number, at least 1"),
+        ("verify plan.json --missing -0.5", "--missing is -0.5; it must be from 0 to 99"),
+        ("reach coarse.toml --distance-mm -500", "--distance-mm must be positive"),
+        ("reach coarse.toml --distance-mm 500 --tilt-deg -5", "--tilt-deg must be at least 0"),
+        ("sweep coarse.toml --step -8", "step"),
         ("plan coarse.toml --candidates xlsx", "parquet"),
         ("compare coarse.toml --seeds 0", "at least 1"),
         ("compare coarse.toml -k 0", "at least 1"),
@@ -343,10 +354,30 @@ fn a_reader_that_leaves_is_no_failure() {
 }
 
 #[test]
+fn shells_complete_and_every_command_has_a_manual_page() {
+    let desk = Desk::new();
+    for (shell, words) in [("bash", "_calipose()"), ("zsh", "#compdef calipose"), ("fish", "complete -c calipose")] {
+        let script = desk.stdout(&format!("completions {shell}"));
+        assert!(script.contains(words) && script.contains("kmeans-joints"), "{shell}: {script}");
+    }
+    assert!(desk.complaint("completions tcsh", 2).contains("possible values: bash"));
+    let page = desk.stdout("man");
+    assert!(page.contains(".TH calipose 1") && page.contains("Exit codes"), "{page}");
+    assert!(desk.stdout("man pages").contains("manual pages"));
+    let pages = desk.files("pages");
+    assert!(pages.len() > 15 && pages.contains(&"calipose-plan.1".to_owned()), "{pages:?}");
+    let plan = std::fs::read_to_string(desk.path("pages/calipose-plan.1")).unwrap();
+    assert!(plan.contains("calipose plan") || plan.contains("calipose\\-plan"), "{plan}");
+    assert!(plan.contains("branch and bound") && plan.contains("confidence ellipsoid"), "{plan}");
+}
+
+#[test]
 fn help_and_version_are_there() {
     let desk = Desk::new();
     assert!(desk.stdout("--help").contains("Exit codes: 0 done"));
-    assert!(desk.stdout("help plan").contains("--candidates"));
+    let help = desk.stdout("plan --help");
+    assert!(help.contains("--candidates"));
+    assert!(help.contains("branch and bound") && help.contains("confidence ellipsoid"), "{help}");
     assert_eq!(desk.stdout("--version").trim(), format!("calipose {}", env!("CARGO_PKG_VERSION")));
 }
 

@@ -90,7 +90,7 @@ fn plans_have_the_tip_over_margin_of_every_pose() {
         assert!(json["candidates"]["rejected"][reason].as_u64().unwrap() > 0);
     }
     assert_eq!(Plan::from_json(&plan.to_json()).unwrap(), plan);
-    let csv = String::from_utf8(plan.to_csv().unwrap()).unwrap();
+    let csv = String::from_utf8(plan.to_csv(&problem.robot.chain.joints).unwrap()).unwrap();
     assert!(csv.lines().next().unwrap().ends_with(",share,stability_margin_m"));
 }
 

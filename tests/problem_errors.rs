@@ -257,6 +257,25 @@ fn seventeen_joints_cannot_be_sampled() {
     insta::assert_snapshot!(draw(&parse(&text).unwrap_err()));
 }
 
+/// What the user did not write is not laid to them.
+#[test]
+fn a_default_that_does_not_fit_is_called_one() {
+    let text = RIGHT.replace("count = 10\n", "").replace("step_deg = 5\nstep_mm = 20", "step_deg = 90\nstep_mm = 200");
+    insta::assert_snapshot!(draw(&parse(&text).unwrap_err()));
+}
+
+#[test]
+fn names_in_other_letters_are_recognised() {
+    for (right, wrong, name) in [
+        ("kind = \"prismatic\"", "kind = \"Prismatic\"", "prismatic"),
+        ("model = \"brown-conrady\"", "model = \"BROWN_CONRADY\"", "brown-conrady"),
+        ("[selection]", "[selection]\nmethod = \"KMeans Joints\"", "kmeans-joints"),
+    ] {
+        let error = draw(&parse(&RIGHT.replace(right, wrong)).unwrap_err());
+        assert!(error.contains(&format!("did you mean `{name}`")), "{error}");
+    }
+}
+
 #[test]
 fn files_that_cannot_be_read() {
     let folder = tempfile::tempdir().unwrap();

@@ -21,6 +21,46 @@ fn shipped() -> Vec<PathBuf> {
     files.filter(|path| path.extension().is_some_and(|extension| extension == "toml")).collect()
 }
 
+/// The starter with one of its commented keys, or one of its commented sections, uncommented.
+fn starter_variants() -> Vec<(String, String)> {
+    let lines: Vec<&str> = STARTER.lines().collect();
+    let is_toml = |line: &str| {
+        let word = line.strip_prefix("# ").unwrap_or_default();
+        let key = word.split(" = ").next().unwrap_or_default();
+        word.starts_with('[')
+            || (key != word && key.chars().all(|c| c.is_ascii_lowercase() || c == '_' || c.is_ascii_digit()))
+    };
+    let uncommented = |chosen: &dyn Fn(usize) -> bool| {
+        let line = |(i, line): (usize, &&str)| line[if chosen(i) && is_toml(line) { 2 } else { 0 }..].to_owned() + "\n";
+        lines.iter().enumerate().map(line).collect::<String>()
+    };
+    let mut variants = Vec::new();
+    let mut start = 0;
+    for run in lines.chunk_by(|a, b| a.starts_with('#') == b.starts_with('#')) {
+        let run = start..start + run.len();
+        start = run.end;
+        if lines[run.clone()].iter().any(|line| line.starts_with("# [")) {
+            variants.push((lines[run.clone()].join("\n"), uncommented(&|i| run.contains(&i))));
+        } else {
+            let keys = run.filter(|&i| is_toml(lines[i]));
+            variants.extend(keys.map(|key| (lines[key].to_owned(), uncommented(&|i| i == key))));
+        }
+    }
+    variants
+}
+
+#[test]
+fn whatever_is_commented_out_in_the_starter_may_be_uncommented() {
+    let variants = starter_variants();
+    assert!(variants.len() > 25, "{}", variants.len());
+    for (what, text) in variants {
+        assert_ne!(text, STARTER, "{what}");
+        if let Err(error) = Problem::parse(&text, Path::new("starter.toml")) {
+            panic!("{what}\n{:?}", error.faults());
+        }
+    }
+}
+
 #[test]
 fn every_shipped_file_loads() {
     assert!(!shipped().is_empty());

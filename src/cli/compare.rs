@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::failure::Failure;
 use super::screen::{Screen, short, table};
-use super::{Overrides, trials};
+use super::{Overrides, number_of, trials};
 use crate::plan::{Choice, Chooser, Equivalent, Row, Survey, candidates, compare, equivalent_kmeans, verify};
 use crate::problem::Problem;
 use crate::selection::Method;
@@ -18,22 +18,22 @@ pub(super) struct CompareArguments {
     #[command(flatten)]
     problem: Overrides,
     /// Numbers of poses [default: the file's, half as many again, and twice as many]
-    #[arg(long, short = 'k', value_delimiter = ',')]
+    #[arg(long, short = 'k', value_delimiter = ',', value_parser = number_of(false), allow_hyphen_values = true)]
     counts: Vec<usize>,
     /// Seeds for the methods that depend on one; their medians are shown
-    #[arg(long, default_value_t = 5)]
+    #[arg(long, default_value_t = 5, value_parser = number_of(false))]
     seeds: usize,
     /// Number of simulated calibrations per row for the measured columns; 0 for none
     #[arg(long, default_value_t = 50, value_parser = trials())]
     trials: usize,
     /// Most poses to try for the k-means that equals the plan
-    #[arg(long, default_value_t = 400)]
+    #[arg(long, default_value_t = 400, value_parser = number_of(false))]
     limit: usize,
 }
 
 pub(super) fn run(arguments: &CompareArguments, screen: &mut Screen) -> Result<(), Failure> {
-    if arguments.seeds == 0 || arguments.seeds > 1000 || arguments.limit == 0 || arguments.counts.contains(&0) {
-        return Err(Failure::Usage("--seeds (at most 1000), --limit and --counts must be at least 1".into()));
+    if arguments.seeds > 1000 {
+        return Err(Failure::Usage("--seeds must be from 1 to 1000".into()));
     }
     let problem = arguments.problem.problem()?;
     let bar = screen.progress("sweeping", problem.space.len());

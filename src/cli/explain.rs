@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::failure::Failure;
+use super::number_of;
 use super::planned::Planned;
 use super::screen::{Screen, joint_columns, short, table};
 use crate::plan::{CombinationTerm, ExplainSettings, Explanation, PoseExplanation, explain};
@@ -18,10 +19,10 @@ pub(super) struct ExplainArguments {
     #[arg(long)]
     problem: Option<PathBuf>,
     /// Greatest number of poses on the curve [default: twice the plan's]
-    #[arg(long)]
+    #[arg(long, value_parser = number_of(false))]
     most: Option<usize>,
     /// Number of spares for each pose
-    #[arg(long, default_value_t = 3)]
+    #[arg(long, default_value_t = 3, value_parser = number_of(true))]
     spares: usize,
 }
 
@@ -32,7 +33,7 @@ const MOST_POSES: usize = 1000;
 const MOST_SPARES: usize = 1000;
 
 pub(super) fn run(arguments: &ExplainArguments, screen: &mut Screen) -> Result<(), Failure> {
-    if arguments.most.is_some_and(|most| most == 0 || most > MOST_POSES) {
+    if arguments.most.is_some_and(|most| most > MOST_POSES) {
         return Err(Failure::Usage(format!("--most must be from 1 to {MOST_POSES}")));
     }
     if arguments.spares > MOST_SPARES {

@@ -123,6 +123,10 @@ fn plan_help(error: &PlanError) -> String {
             "ask for fewer poses, sweep with a finer step, or loosen the limits of [visibility]"
         }
         PlanError::NoRoom { .. } => "lower the separations of [constraints], loosen its groups, or ask for fewer poses",
+        PlanError::Unobservable { count, views, .. } if count == views => {
+            "more poses do not help, there are no other views: sweep with a finer step or loosen [visibility] for views that \
+             differ more, state what is known in `estimate.prior_sigma`, or take a parameter of the combination out of [estimate]"
+        }
         PlanError::Unobservable { .. } | PlanError::HardlyObservable { .. } => {
             "ask for more poses, or take a parameter of the combination out of [estimate]"
         }
@@ -228,5 +232,18 @@ fn calibration_help(error: &CalibrationError, names: &[String], fits: Option<(&'
         E::UnobservablePose | E::Camera(_) => other.unwrap_or_else(|| {
             "add views, tilted differently and all over the image, or take a lens model with fewer parameters".into()
         }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nobody_is_sent_for_poses_that_do_not_exist() {
+        let open = |count| PlanError::Unobservable { count, views: 21, combination: vec![("fx".into(), 1.0)] };
+        assert!(open(21).to_string().starts_with("all 21 views together cannot determine all intrinsics"));
+        assert!(plan_help(&open(21)).contains("more poses do not help"));
+        assert!(plan_help(&open(20)).contains("ask for more poses"));
     }
 }

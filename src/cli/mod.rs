@@ -9,6 +9,7 @@ mod certify;
 mod check;
 mod collision;
 mod compare;
+mod completions;
 mod explain;
 mod failure;
 mod init;
@@ -27,7 +28,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::{Mutex, PoisonError};
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
 use failure::Failure;
 use screen::Screen;
@@ -50,6 +51,23 @@ struct Arguments {
     command: Command,
     #[command(flatten)]
     output: OutputArguments,
+}
+
+impl Arguments {
+    /// The command line that describes them. A negative number after an option is its value.
+    fn commands() -> clap::Command {
+        let numbers = |argument: clap::Arg| {
+            let is_value = argument.get_action().takes_values() && !argument.is_positional();
+            if is_value { argument.allow_negative_numbers(true) } else { argument }
+        };
+        Self::command().mut_subcommands(|command| command.mut_args(numbers))
+    }
+
+    /// Those of the process; ends it with what is wrong with them, or with the help asked for.
+    fn typed() -> Self {
+        let arguments = Self::from_arg_matches(&Self::commands().get_matches());
+        arguments.unwrap_or_else(|error| error.exit())
+    }
 }
 
 #[derive(Debug, Clone, Copy, Args)]
@@ -99,6 +117,16 @@ enum Command {
     },
     /// Print the JSON Schema of problem files, for editors
     Schema,
+    /// Print a completion script for a shell
+    Completions {
+        /// Shell that is to complete commands and options
+        shell: clap_complete::Shell,
+    },
+    /// Print the manual page, or write one for each command
+    Man {
+        /// Folder for the pages of all commands; the first one alone is printed when left out
+        folder: Option<PathBuf>,
+    },
 }
 
 /// What the command line may say instead of the problem file.
@@ -107,7 +135,7 @@ struct Overrides {
     /// Problem file
     file: PathBuf,
     /// What to optimise, in place of the file's criterion or accuracy
-    #[arg(long, value_parser = by_name(&Criterion::ALL, Criterion::name))]
+    #[arg(long, value_parser = explained(&Criterion::ALL, Criterion::name, Criterion::phrase))]
     criterion: Option<Criterion>,
     /// Seed of everything random [default: the file's]
     #[arg(long)]
@@ -137,6 +165,17 @@ fn by_name<T: Copy + Send + Sync + 'static>(
         .try_map(move |text| all.iter().copied().find(|&value| name(value) == text).ok_or("unknown name"))
 }
 
+/// As [`by_name`], each with a phrase that `--help` shows.
+fn explained<T: Copy + Send + Sync + 'static>(
+    all: &'static [T],
+    name: fn(T) -> &'static str,
+    phrase: fn(T) -> &'static str,
+) -> impl clap::builder::TypedValueParser<Value = T> {
+    use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+    PossibleValuesParser::new(all.iter().map(|&value| PossibleValue::new(name(value)).help(phrase(value))))
+        .try_map(move |text| all.iter().copied().find(|&value| name(value) == text).ok_or("unknown name"))
+}
+
 /// File format of the candidates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum TableFormat {
@@ -163,7 +202,7 @@ pub fn main() -> ExitCode {
         Screen::report_bug(&panic.to_string());
     }));
     match std::panic::catch_unwind(|| {
-        let arguments = Arguments::parse();
+        let arguments = Arguments::typed();
         let mut screen = Screen::new(arguments.output.quiet, arguments.output.json);
         match run(&arguments.command, &mut screen) {
             Ok(verdict) => verdict.exit_code(),
@@ -195,6 +234,16 @@ fn run(command: &Command, screen: &mut Screen) -> Result<Verdict, Failure> {
         Command::Check { file } => check::run(file, screen).map(good),
         Command::Init { file, urdf } => init::run(file.as_deref(), urdf.as_deref(), screen).map(good),
         Command::Schema => init::schema(screen).map(good),
+        Command::Completions { shell } => completions::completions(*shell).map(good),
+        Command::Man { folder } => completions::manual(folder.as_deref(), screen).map(good),
+    }
+}
+
+/// Parser of a whole number from 1, or from 0 where `none` may be asked for.
+fn number_of(none: bool) -> impl Fn(&str) -> Result<usize, String> + Clone + Send + Sync {
+    move |text| {
+        let number = text.replace(['_', ' '], "").parse().ok().filter(|&number| none || number > 0);
+        number.ok_or_else(|| format!("must be a whole number, at least {}", u8::from(!none)))
     }
 }
 
@@ -208,5 +257,5 @@ fn trials() -> impl clap::builder::TypedValueParser<Value = usize> {
 
 /// Parser of `--method`.
 fn method() -> impl clap::builder::TypedValueParser<Value = Method> {
-    by_name(&Method::ALL, Method::name)
+    explained(&Method::ALL, Method::name, Method::phrase)
 }

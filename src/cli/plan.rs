@@ -11,7 +11,7 @@ use super::failure::Failure;
 use super::screen::{Screen, grouped, joint_columns, short, table};
 use super::searching::searching;
 use super::verdict::Verdict;
-use super::{Overrides, TableFormat, WRITING, method, trials, verify as verify_command};
+use super::{Overrides, TableFormat, WRITING, method, number_of, trials, verify as verify_command};
 use crate::plan::{
     Chooser, Plan, PlannedPose, Survey, candidates, candidates_csv, candidates_parquet, compare, make, verify,
     write_together,
@@ -25,7 +25,7 @@ pub(super) struct PlanArguments {
     #[command(flatten)]
     problem: Overrides,
     /// Number of poses [default: the file's]
-    #[arg(long, short = 'k')]
+    #[arg(long, short = 'k', value_parser = number_of(false))]
     count: Option<usize>,
     /// How to choose [default: the file's]
     #[arg(long, value_parser = method())]
@@ -53,9 +53,6 @@ pub(super) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<Verd
     let mut problem = arguments.problem.problem()?;
     let selection = &mut problem.selection;
     selection.count = arguments.count.unwrap_or(selection.count);
-    if selection.count == 0 {
-        return Err(Failure::Usage("--count is 0; a plan has at least one pose".into()));
-    }
     selection.method = arguments.method.unwrap_or(selection.method);
     let overridden = arguments.count.is_some() || arguments.method.is_some();
     if overridden && !selection.accuracies.is_empty() {
@@ -90,7 +87,10 @@ pub(super) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<Verd
     bar.finish_and_clear();
     let verified = verified?;
 
-    let mut files = vec![("plan.json", plan.to_json().into_bytes()), ("plan.csv", plan.to_csv().map_err(in_memory)?)];
+    let mut files = vec![
+        ("plan.json", plan.to_json().into_bytes()),
+        ("plan.csv", plan.to_csv(&problem.robot.chain.joints).map_err(in_memory)?),
+    ];
     if let Some(found) = &verified {
         let document = verify_command::document(&plan, found, plan.seed);
         files.push(("verification.json", format!("{document:#}\n").into_bytes()));

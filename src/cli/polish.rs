@@ -41,7 +41,7 @@ pub(super) fn run(arguments: &PolishArguments, screen: &mut Screen) -> Result<()
     let Planned { plan, problem } = &planned;
     let found = PolishedPlan::new(problem, &chooser, plan, &polished?);
 
-    let table = found.to_csv().map_err(|error| Failure::Table(error.to_string()))?;
+    let table = found.to_csv(&problem.robot.chain.joints).map_err(|error| Failure::Table(error.to_string()))?;
     let files = [("polished.json", found.to_json().into_bytes()), ("polished.csv", table)];
     let folder = arguments.plan.parent().unwrap_or(Path::new(""));
     let writing = WRITING.lock().unwrap_or_else(std::sync::PoisonError::into_inner);

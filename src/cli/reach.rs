@@ -8,6 +8,7 @@ use serde_json::json;
 
 use super::collision::untested_text;
 use super::failure::Failure;
+use super::number_of;
 use super::screen::{Screen, joint_columns, short, table};
 use crate::feasibility::LinkPair;
 use crate::plan::{Pose as PoseDocument, joints_deg, reach_starts};
@@ -69,7 +70,7 @@ pub(super) struct ReachArguments {
     )]
     roll: f64,
     /// Most configurations to show
-    #[arg(long, short = 'n', default_value_t = 5)]
+    #[arg(long, short = 'n', default_value_t = 5, value_parser = number_of(false))]
     count: usize,
 }
 
@@ -120,9 +121,6 @@ impl ReachArguments {
 }
 
 pub(super) fn run(arguments: &ReachArguments, screen: &mut Screen) -> Result<(), Failure> {
-    if arguments.count == 0 {
-        return Err(Failure::Usage("--count must be at least 1".into()));
-    }
     let problem = Problem::read(&arguments.file)?;
     let wished = arguments.wished(&problem)?;
     // An error of angle moves what the camera sees by the angle times its distance.

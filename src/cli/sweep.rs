@@ -18,7 +18,7 @@ pub(super) struct SweepArguments {
     file: PathBuf,
     /// Steps to sweep with, in degrees, each for all revolute joints [default: those with published counts, else the
     /// file's]
-    #[arg(long, short, value_delimiter = ',')]
+    #[arg(long, short, value_delimiter = ',', allow_hyphen_values = true)]
     step: Vec<f64>,
 }
 

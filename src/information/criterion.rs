@@ -34,6 +34,18 @@ impl Criterion {
         }
     }
 
+    /// What it makes good, in a phrase.
+    pub fn phrase(self) -> &'static str {
+        match self {
+            Criterion::D => "the volume of the confidence ellipsoid",
+            Criterion::A => "the sum of the intrinsics' variances, each in the unit that moves the image by 1 px",
+            Criterion::E => "the worst combination of the intrinsics, in the same units",
+            Criterion::V => "the mean variance of the calibrated projection over the image",
+            Criterion::Zhang => "the worst direction of Zhang's closed-form solution",
+            Criterion::Diversity => "the spread of the views over angle and distance",
+        }
+    }
+
     /// Whether it is a function of the information on the estimated intrinsics.
     pub fn is_of_intrinsics(self) -> bool {
         !matches!(self, Criterion::Zhang | Criterion::Diversity)

@@ -9,7 +9,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 
-use super::document::Pose;
+use super::document::{Pose, joint_columns};
 use crate::feasibility::View;
 use crate::problem::Problem;
 
@@ -39,7 +39,7 @@ impl Table {
             "tilt_deg",
             "distance_m",
         ];
-        let names = joints.iter().map(|joint| format!("joint_{}", joint.name)).chain(fixed.map(String::from));
+        let names = joint_columns(joints, ["rad", "m"]).chain(fixed.map(String::from));
         let margin = problem.stability.as_ref().map(|_| "stability_margin_m".to_owned());
         let corners = problem.visibility.min_corners.map(|_| "corners".to_owned());
         let names: Vec<String> = names.chain(margin).chain(corners).collect();

@@ -33,10 +33,12 @@ pub enum PlanError {
         views: usize,
     },
     /// The poses leave some combination of the intrinsics undetermined.
-    #[error("{count} poses cannot determine all intrinsics; they leave open: {}", describe(combination))]
+    #[error("{} cannot determine all intrinsics; left open: {}", describe_tried(*count, *views), describe(combination))]
     Unobservable {
         /// Poses tried.
         count: usize,
+        /// Views to choose from: where as many were tried, there are no more.
+        views: usize,
         /// Names of the parameters and their coefficients in the combination, largest 1.
         combination: Vec<(String, f64)>,
     },
@@ -103,6 +105,14 @@ fn describe_room(count: usize, found: usize, at_most: usize) -> String {
         format!("[constraints] allow at most {found} poses together, which is proven; {count} are asked for")
     } else {
         format!("[constraints] allow no {count} poses together: {found} were found, and at most {at_most} are possible")
+    }
+}
+
+fn describe_tried(count: usize, views: usize) -> String {
+    match count {
+        1 => "1 pose".into(),
+        _ if count == views => format!("all {count} views together"),
+        _ => format!("{count} poses"),
     }
 }
 
@@ -452,7 +462,11 @@ impl<'a> Chooser<'a> {
         match error {
             SelectionError::Unobservable { count, term, combination } => {
                 let names = self.objective.parameters(term).iter().cloned();
-                PlanError::Unobservable { count, combination: names.zip(combination).collect() }
+                PlanError::Unobservable {
+                    count,
+                    views: self.survey.views.len(),
+                    combination: names.zip(combination).collect(),
+                }
             }
             SelectionError::NoRoom { count, found, at_most } => PlanError::NoRoom { count, found, at_most },
             other => PlanError::Selection(other),

@@ -267,33 +267,42 @@ impl Plan {
         text
     }
 
-    /// The bytes of `plan.csv`: one pose a line under a header, joint values in rad (m) under `joint_<name>`. The last column,
-    /// `stability_margin_m`, is there where stability is tested.
+    /// The bytes of `plan.csv`: one pose a line under a header, the values of all of `joints` in rad (m) under
+    /// `joint_<name>_rad` (`_m`), then in degrees (mm) under `joint_<name>_deg` (`_mm`). The last column, `stability_margin_m`,
+    /// is there where stability is tested.
     ///
     /// # Errors
     /// Never in practice: the writer writes to memory.
-    pub fn to_csv(&self) -> Result<Vec<u8>, csv::Error> {
-        poses_csv(&self.joints, &self.poses)
+    pub fn to_csv(&self, joints: &[Joint]) -> Result<Vec<u8>, csv::Error> {
+        poses_csv(joints, &self.poses)
     }
 }
 
 /// Poses as CSV, one a line under a header.
-pub(super) fn poses_csv(joints: &[String], poses: &[PlannedPose]) -> Result<Vec<u8>, csv::Error> {
+pub(super) fn poses_csv(joints: &[Joint], poses: &[PlannedPose]) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let joints = joints.iter().map(|name| format!("joint_{name}"));
+    let joints = joint_columns(joints, ["rad", "m"]).chain(joint_columns(joints, ["deg", "mm"]));
     let fixed = ["camera_x_m", "camera_y_m", "camera_z_m", "camera_qx", "camera_qy", "camera_qz", "camera_qw"];
     let header = joints.chain(fixed.map(String::from)).chain(["tilt_deg", "distance_m", "share"].map(String::from));
     let tested = poses.iter().any(|pose| pose.stability_margin_m.is_some());
     let header = header.chain(tested.then(|| "stability_margin_m".into()));
     writer.write_record(std::iter::once(String::from("id")).chain(header))?;
     for pose in poses {
-        let numbers = pose.joints_rad.iter().chain(&pose.camera_in_base.position_m);
+        let numbers = pose.joints_rad.iter().chain(&pose.joints_deg).chain(&pose.camera_in_base.position_m);
         let numbers = numbers.chain(&pose.camera_in_base.quaternion_xyzw);
         let numbers = numbers.chain([&pose.tilt_deg, &pose.distance_m, &pose.share]);
         let numbers = numbers.chain(&pose.stability_margin_m).map(f64::to_string);
         writer.write_record(std::iter::once(pose.id.to_string()).chain(numbers))?;
     }
     writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))
+}
+
+/// Headings of the joints' columns with the units of revolute and prismatic joints: `joint_waist_rad`.
+pub(super) fn joint_columns(joints: &[Joint], [angle, length]: [&str; 2]) -> impl Iterator<Item = String> {
+    joints.iter().map(move |joint| {
+        let unit = if joint.kind == JointKind::Prismatic { length } else { angle };
+        format!("joint_{}_{unit}", joint.name)
+    })
 }
 
 /// Joint values `q` (rad or m) as people read them: in degrees, of prismatic joints in mm.

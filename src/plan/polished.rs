@@ -7,6 +7,7 @@ use super::document::{Intrinsics, Plan, PlannedPose, ProblemReference, poses_csv
 use super::polish::Polished;
 use super::proof::CertificateDocument;
 use crate::problem::Problem;
+use crate::robot::Joint;
 
 /// Value of the key `format`.
 pub const POLISHED_FORMAT: &str = "calipose.polished";
@@ -115,7 +116,7 @@ impl PolishedPlan {
     ///
     /// # Errors
     /// Never in practice: the writer writes to memory.
-    pub fn to_csv(&self) -> Result<Vec<u8>, csv::Error> {
-        poses_csv(&self.joints, &self.poses)
+    pub fn to_csv(&self, joints: &[Joint]) -> Result<Vec<u8>, csv::Error> {
+        poses_csv(joints, &self.poses)
     }
 }

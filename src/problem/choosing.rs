@@ -22,6 +22,7 @@ pub(super) struct Selection {
     /// How to choose.
     pub(super) method: Named<Method>,
     /// Number of poses.
+    #[schemars(range(min = 1))]
     pub(super) count: u64,
     /// Accuracies to reach with as few poses as possible: `map_error_px` and names of estimated intrinsics, each with the
     /// standard deviation wished for, as in `{ map_error_px = 2, fx = 1.5 }`. It takes the place of `criterion` and `count`.

@@ -71,13 +71,13 @@ impl<'a> Document<'a> {
     }
 
     /// The bytes of the value at `path`, of the key if it is a section; of the nearest key above where the file leaves
-    /// it out.
-    pub(super) fn locate(&self, path: &KeyPath) -> Range<usize> {
+    /// it out. And whether the file has it.
+    pub(super) fn locate(&self, path: &KeyPath) -> (Range<usize>, bool) {
         let mut nearest = 0..0;
         let mut children = Children::Table(self.root.get_ref());
         for segment in &path.0 {
             let Some((key, value)) = children.get(segment) else {
-                return nearest;
+                return (nearest, false);
             };
             nearest = key.unwrap_or_else(|| value.span());
             children = Children::of(value.get_ref());
@@ -86,7 +86,7 @@ impl<'a> Document<'a> {
                 nearest = value.span();
             }
         }
-        nearest
+        (nearest, true)
     }
 
     /// The path whose key or value stands at exactly `span`.
@@ -161,7 +161,7 @@ mod tests {
     const TEXT: &str = "name = \"ä\"\n[robot]\nflange = { position_mm = [1, 2, 3] }\n[[robot.joints]]\na_mm = 7\n[[robot.joints]]\nb = 8\n";
 
     fn at(path: &KeyPath) -> &str {
-        &TEXT[Document::parse(TEXT).unwrap().locate(path)]
+        &TEXT[Document::parse(TEXT).unwrap().locate(path).0]
     }
 
     #[test]
@@ -182,7 +182,8 @@ mod tests {
     fn paths_are_found_by_place() {
         let document = Document::parse(TEXT).unwrap();
         let path = KeyPath::section("robot").key("joints").at(1).key("b");
-        let value = document.locate(&path);
+        let (value, written) = document.locate(&path);
+        assert!(written && !document.locate(&path.key("c")).1);
         assert_eq!(document.path_at(&value), path);
         assert_eq!(path.to_string(), "robot.joints[1].b");
     }

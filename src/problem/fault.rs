@@ -17,6 +17,8 @@ use crate::formats::{FileReadError, ReadFault};
 pub struct Fault {
     /// The key, from the root: `robot.joints[2].a_mm`. Empty for a syntax error.
     pub key: String,
+    /// Whether the file has the key. Where it does not, the value at fault is the default.
+    pub written: bool,
     /// Line in the file, from 1.
     pub line: usize,
     /// Column in the line, in characters from 1.
@@ -192,8 +194,8 @@ pub enum Reason {
     },
     /// The sweep has more configurations than a computer can hold.
     TooManyConfigurations {
-        /// How many; saturating.
-        configurations: usize,
+        /// How many.
+        configurations: f64,
         /// How many are allowed.
         most: usize,
     },
@@ -273,6 +275,9 @@ impl Fault {
             Reason::UnknownName { name, .. } => format!("`{key}` is \"{name}\", which does not exist"),
             Reason::Missing { .. } => format!("`{key}` is missing"),
             Reason::Type { found, .. } => format!("`{key}` is {found}"),
+            Reason::OutOfRange { value, .. } if !self.written => {
+                format!("`{key}` is left out, and its default is {}", Number(*value))
+            }
             Reason::OutOfRange { value, .. } => format!("`{key}` is {}", Number(*value)),
             Reason::Reversed { min, max } => format!("`{key}` runs from {} down to {}", Number(*min), Number(*max)),
             Reason::BoardBeyondZone { zone, .. } => {
@@ -315,7 +320,7 @@ impl Fault {
                 format!("no joint moves link \"{camera_link}\" against link \"{board_link}\"")
             }
             Reason::TooManyConfigurations { configurations, .. } => {
-                format!("`{key}` makes {:.1e} configurations", *configurations as f64)
+                format!("`{key}` makes {configurations:.1e} configurations")
             }
             Reason::TooManyJoints { joints, .. } => format!("`{key}` cannot serve {joints} joints"),
         }
@@ -329,6 +334,9 @@ impl Fault {
             Reason::UnknownName { .. } => "unknown name".into(),
             Reason::Missing { .. } | Reason::NoShape { .. } => "to be added here".into(),
             Reason::Type { expected, .. } => format!("must be {expected}"),
+            Reason::OutOfRange { allowed, .. } if !self.written => {
+                format!("give `{}` here: {allowed}", self.last_key())
+            }
             Reason::OutOfRange { allowed, .. } => format!("must be {allowed}"),
             Reason::Reversed { .. } => "must be [min, max]".into(),
             Reason::BoardBeyondZone { board, .. } => format!("must be at least {}", Number(*board)),
@@ -367,10 +375,13 @@ impl Fault {
         }
     }
 
+    fn last_key(&self) -> &str {
+        self.key.rsplit('.').next().unwrap_or_default()
+    }
+
     fn hint(&self) -> Option<String> {
-        let last_key = self.key.rsplit('.').next().unwrap_or_default();
         let hint = match &self.reason {
-            Reason::UnknownKey { allowed } => suggestion(last_key, allowed, "keys here"),
+            Reason::UnknownKey { allowed } => suggestion(self.last_key(), allowed, "keys here"),
             Reason::UnknownName { name, allowed } => suggestion(name, allowed, "allowed"),
             Reason::Missing { allowed } if !allowed.is_empty() => format!("choose one of {}", quoted(allowed)),
             Reason::NotApplicable { instead, .. } => instead.clone(),
@@ -458,7 +469,10 @@ fn suggestion(found: &str, allowed: &[String], list: &str) -> String {
             quoted(allowed)
         );
     }
-    let similarity = |name: &String| strsim::jaro_winkler(found, name);
+    // Case and the sign between words are no part of a name's meaning.
+    let plain = |name: &str| name.to_lowercase().replace(['_', ' '], "-");
+    let found = plain(found);
+    let similarity = |name: &String| strsim::jaro_winkler(&found, &plain(name));
     match allowed.iter().max_by(|a, b| similarity(a).total_cmp(&similarity(b))) {
         Some(name) if similarity(name) > SIMILAR => format!("did you mean `{name}`? {list}: {}", quoted(allowed)),
         Some(_) => format!("{list}: {}", quoted(allowed)),

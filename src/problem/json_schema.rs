@@ -55,13 +55,22 @@ fn adapt_to_toml(schema: &mut Schema) {
 /// What the key at `path` means: its description in the schema. Names that the file makes up below it, of sets of
 /// limits, share it.
 pub(super) fn meaning(path: &KeyPath) -> Option<String> {
-    let root = schema_json();
-    let mut node = &root;
+    Some(node(&schema_json(), path)?.get("description")?.as_str()?.to_owned())
+}
+
+/// The least value of the whole number at `path`, where the schema has one.
+pub(super) fn least(path: &KeyPath) -> Option<u64> {
+    node(&schema_json(), path)?.get("minimum")?.as_u64()
+}
+
+/// The part of the schema that describes the key at `path`, or the nearest key above that is described.
+fn node<'s>(root: &'s Value, path: &KeyPath) -> Option<&'s Value> {
+    let mut node = root;
     for key in path.keys() {
-        let Some(properties) = object_below(&root, node).get("properties") else { break };
+        let Some(properties) = object_below(root, node).get("properties") else { break };
         node = properties.get(key)?;
     }
-    Some(node.get("description")?.as_str()?.to_owned())
+    Some(node)
 }
 
 /// The object that `node` refers to, is a list of, or may be.

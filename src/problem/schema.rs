@@ -179,8 +179,10 @@ pub(super) struct Camera {
     /// is when left out.
     pub(super) file_camera: Option<String>,
     /// Image width in px; required without `file`, and with one that does not state it.
+    #[schemars(range(min = 1))]
     pub(super) width_px: Option<u32>,
     /// Image height in px; required without `file`, and with one that does not state it.
+    #[schemars(range(min = 1))]
     pub(super) height_px: Option<u32>,
     /// Focal length along x, in px; required without `file`.
     pub(super) fx_px: Option<f64>,
@@ -225,8 +227,10 @@ pub(super) struct Distortion {
 #[serde(deny_unknown_fields)]
 pub(super) struct Target {
     /// Inner corners along x.
+    #[schemars(range(min = 2))]
     pub(super) columns: u32,
     /// Inner corners along y.
+    #[schemars(range(min = 2))]
     pub(super) rows: u32,
     /// Side of a square in mm.
     pub(super) square_mm: f64,
@@ -265,11 +269,13 @@ pub(super) struct Sweep {
     /// Step of the prismatic joints in mm: one number for all, or a list with one per prismatic joint.
     pub(super) step_mm: Option<NumberOrList>,
     /// Number of configurations of a Halton sample, instead of a grid.
+    #[schemars(range(min = 1))]
     pub(super) sample: Option<u64>,
     /// Rounds of refinement: each tries configurations around the poses that selection picks, ever closer; none when left out.
     #[serde(default)]
     pub(super) refine: u64,
     /// Number of configurations that each round of refinement tries; 20 000 when left out.
+    #[schemars(range(min = 1))]
     pub(super) refine_sample: Option<u64>,
     /// Where the optical axis must go: "any" keeps all configurations, "zone" those whose axis meets the zone.
     #[serde(default = "any_axis")]
@@ -309,6 +315,7 @@ pub(super) struct Visibility {
     pub(super) min_corner_spacing_px: f64,
     /// Fewest corners that make a view, for boards that can be read in part (`ChArUco`, grids of tags); every corner when left
     /// out.
+    #[schemars(range(min = 4))]
     pub(super) min_corners: Option<u32>,
 }
 

@@ -2,7 +2,7 @@
 
 use super::document::{Document, KeyPath, line_and_column};
 use super::fault::{Fault, Reason};
-use super::json_schema::meaning;
+use super::json_schema::{least, meaning};
 use super::schema::File;
 
 /// The document of `text`, and what it says.
@@ -11,7 +11,7 @@ pub(super) fn read(text: &str) -> Result<(Document<'_>, File), Box<Fault>> {
         let span = error.span().unwrap_or(0..0);
         let (line, column) = line_and_column(text, span.start);
         let reason = Reason::Syntax { message: error.message().to_owned() };
-        Box::new(Fault { key: String::new(), line, column, span, reason, meaning: None })
+        Box::new(Fault { key: String::new(), written: true, line, column, span, reason, meaning: None })
     })?;
     match toml::from_str(text) {
         Ok(file) => Ok((document, file)),
@@ -21,9 +21,9 @@ pub(super) fn read(text: &str) -> Result<(Document<'_>, File), Box<Fault>> {
 
 /// A fault at `path`, pointing at its value.
 pub(super) fn fault(document: &Document, path: &KeyPath, reason: Reason) -> Fault {
-    let span = document.locate(path);
+    let (span, written) = document.locate(path);
     let (line, column) = document.line_and_column(span.start);
-    Fault { key: path.to_string(), line, column, span, reason, meaning: meaning(path) }
+    Fault { key: path.to_string(), written, line, column, span, reason, meaning: meaning(path) }
 }
 
 /// Serde reports in text only; its wording is stable, and snapshots of the messages hold it.
@@ -43,12 +43,12 @@ fn translate(document: &Document, text: &str, error: &toml::de::Error) -> Fault 
     } else if let (true, [name, allowed @ ..]) = (message.starts_with("unknown variant"), &names[..]) {
         Reason::UnknownName { name: name.clone(), allowed: allowed.to_vec() }
     } else if let Some((found, expected)) = message.rsplit_once(", expected ") {
-        Reason::Type { found: plain_found(found), expected: plain_expected(expected) }
+        Reason::Type { found: plain_found(found), expected: plain_expected(expected, least(&path).unwrap_or(0)) }
     } else {
         Reason::Syntax { message: message.to_owned() }
     };
     let (line, column) = line_and_column(text, span.start);
-    Fault { key: path.to_string(), line, column, span, reason, meaning: meaning(&path) }
+    Fault { key: path.to_string(), written: true, line, column, span, reason, meaning: meaning(&path) }
 }
 
 fn plain_found(serde: &str) -> String {
@@ -66,11 +66,12 @@ fn plain_found(serde: &str) -> String {
     }
 }
 
-fn plain_expected(serde: &str) -> String {
+/// `least` is the least value of a whole number.
+fn plain_expected(serde: &str, least: u64) -> String {
     match serde {
         "f64" => "a number".into(),
-        "u32" => format!("a whole number from 0 to {}", u32::MAX),
-        "u64" | "usize" => "a whole number, at least 0".into(),
+        "u32" => format!("a whole number from {least} to {}", u32::MAX),
+        "u64" | "usize" => format!("a whole number, at least {least}"),
         "a string" => "a text in quotes".into(),
         "a sequence" => "a list".into(),
         "a map" => "a table".into(),

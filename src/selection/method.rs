@@ -48,6 +48,20 @@ impl Method {
         }
     }
 
+    /// What it does, in a phrase.
+    pub fn phrase(self) -> &'static str {
+        match self {
+            Method::Best => "the better of greedy and rounded relaxation, each improved by exchange",
+            Method::Exact => "the same, then branch and bound until the best set is proven or a limit reached",
+            Method::Relaxation => "the greatest weights of the convex relaxation",
+            Method::Exchange => "greedy, then swaps as long as one improves",
+            Method::Greedy => "the pose that adds most, again and again",
+            Method::Random => "poses at random, to compare with",
+            Method::KMeansJoints => "nearest to the centres of clusters of joint values, to compare with",
+            Method::KMeansPositions => "nearest to the centres of clusters of camera positions, to compare with",
+        }
+    }
+
     /// Whether it chooses only what the constraints allow; the baselines do not look at them.
     pub fn heeds_constraints(self) -> bool {
         !matches!(self, Method::Random | Method::KMeansJoints | Method::KMeansPositions)

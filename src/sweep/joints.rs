@@ -43,6 +43,14 @@ impl JointSpace {
         }
     }
 
+    /// Number of configurations, also where it is beyond what [`JointSpace::len`] can say.
+    pub fn size(&self) -> f64 {
+        match self {
+            JointSpace::Grid(grid) => grid.joints.iter().map(|axis| axis.count as f64).product(),
+            JointSpace::Sample(sample) => sample.len as f64,
+        }
+    }
+
     /// Whether there is no configuration.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
@@ -161,6 +169,13 @@ mod tests {
         assert!((grid.configuration(20)[0] - 0.3f64.to_radians()).abs() < 1e-15);
         assert!((grid.configuration(20)[1] - 8f64.to_radians()).abs() < 1e-15);
         assert_eq!(grid.configuration(1), [degrees(-0.3, 0.0).min, 4f64.to_radians()]);
+    }
+
+    #[test]
+    fn a_grid_beyond_counting_has_a_size() {
+        let grid = JointGrid::new(&[degrees(0.0, 1e4); 4], &[0.01f64.to_radians(); 4]);
+        assert_eq!(grid.len(), usize::MAX);
+        assert!((JointSpace::Grid(grid).size() / 1_000_001f64.powi(4) - 1.0).abs() < 1e-12);
     }
 
     #[test]

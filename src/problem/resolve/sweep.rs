@@ -52,7 +52,7 @@ impl Check<'_, '_> {
         };
         let most = most_configurations(sweep.axis.0);
         if space.len() > most {
-            self.fault(&path, Reason::TooManyConfigurations { configurations: space.len(), most });
+            self.fault(&path, Reason::TooManyConfigurations { configurations: space.size(), most });
         }
         (self.faults.len() == faults).then_some(space)
     }
