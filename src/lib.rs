@@ -42,7 +42,7 @@
 //!
 //! # Modules
 //!
-//! A module imports only from those before it: [`spatial`], [`camera`], [`target`], [`robot`], [`sweep`], [`feasibility`],
+//! A module imports only from those before it: [`figures`], [`spatial`], [`camera`], [`target`], [`robot`], [`sweep`], [`feasibility`],
 //! [`information`], [`selection`], [`calibration`], [`verification`], [`formats`], [`problem`], [`mod@plan`], [`cli`]. The
 //! stages up to `verification` know no files and no command line; `selection` knows no robots and no cameras either.
 #![allow(
@@ -57,6 +57,7 @@ pub mod calibration;
 pub mod camera;
 pub mod cli;
 pub mod feasibility;
+pub mod figures;
 pub mod formats;
 pub mod information;
 pub mod plan;

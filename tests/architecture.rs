@@ -6,7 +6,8 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The modules; each may use those above it.
-const ORDER: [&str; 14] = [
+const ORDER: [&str; 15] = [
+    "figures",
     "spatial",
     "camera",
     "target",

@@ -201,7 +201,7 @@ fn an_output_folder_that_cannot_be_made_is_named() {
 fn too_many_or_too_few_poses_are_explained() {
     let desk = Desk::new();
     let complaint = desk.complaint("plan coarse.toml -k 1000000", 1);
-    assert!(complaint.contains("1000000 poses are asked for, but only"), "{complaint}");
+    assert!(complaint.contains("1 000 000 poses are asked for, but only"), "{complaint}");
     // Without distortion one view of a plane gives two constraints: two of the four parameters stay open.
     desk.change(
         "pinhole.toml",
@@ -260,10 +260,24 @@ fn refused_problem_files_end_with_three() {
 fn a_board_out_of_sight_is_explained() {
     let desk = Desk::new();
     desk.change("far.toml", &[("position_mm = [232.875, 72.75, -98]", "position_mm = [90000, 0, 2000]")]);
-    assert!(desk.complaint("plan far.toml", 1).contains("points the camera at the target zone"));
+    let complaint = desk.complaint("plan far.toml", 1);
+    assert!(complaint.contains("points the camera at the target zone"), "{complaint}");
+    assert!(complaint.contains("All fail by distance: the closest camera is"), "{complaint}");
     desk.change("near.toml", &[("[visibility]", "[visibility]\nmin_distance_mm = 90000")]);
     let complaint = desk.complaint("plan near.toml", 1);
     assert!(complaint.contains("rejected: ") && complaint.contains("distance"), "{complaint}");
+    assert!(
+        complaint.contains("the farthest camera is") && complaint.contains("min_distance_mm is 90000"),
+        "{complaint}"
+    );
+    let checked = desk.stdout("check near.toml");
+    assert!(checked.contains("Warning: no views. All fail by distance: the farthest camera is"), "{checked}");
+    let diagnosis = &desk.json("check near.toml --json")["diagnosis"];
+    assert_eq!(
+        (&diagnosis["obstacle"]["reason"], &diagnosis["obstacle"]["stops_all"]),
+        (&"distance".into(), &true.into())
+    );
+    assert!(desk.json("check coarse.toml --json")["diagnosis"].is_null());
 }
 
 #[test]
@@ -518,4 +532,39 @@ fn check_foresees_about_as_many_views_as_the_plan_finds() {
     let foreseen = desk.json("check coarse.toml --json")["estimated_views"].as_f64().unwrap();
     let kept = desk.json("plan coarse.toml --json --trials 0 -o out")["candidates"]["kept"].as_f64().unwrap();
     assert!((foreseen / kept - 1.0).abs() < 0.3, "{foreseen} foreseen, {kept} found");
+}
+
+/// An accuracy decides on the number of poses; the forecast says about how many.
+#[test]
+fn check_foresees_the_poses_that_an_accuracy_takes() {
+    let desk = Desk::new();
+    desk.change("fine.toml", &[("[selection]", "[selection]\naccuracy = { map_error_px = 0.5 }\ntime_limit_s = 1")]);
+    let foreseen = desk.json("check fine.toml --json");
+    let count = desk.json("plan fine.toml --json --trials 0 -o out")["count"].as_f64().unwrap();
+    let told = foreseen["estimated_poses"].as_f64().unwrap();
+    assert!((told / count - 1.0).abs() < 0.3, "{told} foreseen, {count} found");
+    assert_eq!(foreseen["search_limit_seconds"], 1.0);
+    assert!(desk.stdout("check fine.toml").contains("the fewest poses that reach map_error_px 0.5 (about "));
+}
+
+#[test]
+fn check_foresees_what_refinement_and_large_boards_cost() {
+    let desk = Desk::new();
+    let seconds = |name: &str| desk.json(&format!("check {name} --json"))["estimated_seconds"].as_f64().unwrap();
+    desk.change("refined.toml", &[("step_deg = 15", "step_deg = 15\nrefine = 10\nrefine_sample = 1_000_000")]);
+    assert!(seconds("refined.toml") > 5.0 + 5.0 * seconds("coarse.toml"));
+    let board = std::fs::read_to_string(desk.path("coarse.toml")).unwrap();
+    let columns = board.lines().find(|line| line.starts_with("columns")).unwrap().to_owned();
+    let rows = board.lines().find(|line| line.starts_with("rows")).unwrap().to_owned();
+    let square = board.lines().find(|line| line.starts_with("square_mm")).unwrap().to_owned();
+    let thousand = [
+        (columns.as_str(), "columns = 1000"),
+        (rows.as_str(), "rows = 1000"),
+        (square.as_str(), "square_mm = 0.15"),
+        ("[visibility]", "[visibility]\nmin_corner_spacing_px = 0"),
+    ];
+    desk.change("large.toml", &thousand);
+    let start = std::time::Instant::now();
+    assert!(seconds("large.toml") > 100.0);
+    assert!(start.elapsed().as_secs() < 20, "the forecast itself took {:?}", start.elapsed());
 }

@@ -7,7 +7,7 @@ use clap::Args;
 use super::failure::Failure;
 use super::number_of;
 use super::planned::Planned;
-use super::screen::{Screen, joint_columns, short, table};
+use super::screen::{Screen, fixed, joint_columns, short, table};
 use crate::plan::{CombinationTerm, ExplainSettings, Explanation, PoseExplanation, explain};
 use crate::problem::Problem;
 
@@ -135,7 +135,7 @@ fn spare_table(problem: &Problem, poses: &[PoseExplanation]) -> String {
     for pose in poses {
         for (place, spare) in pose.spares.iter().enumerate() {
             let of = if place == 0 { pose.id.to_string() } else { String::new() };
-            let joints = spare.joints_deg.iter().map(|q| format!("{q:.1}"));
+            let joints = spare.joints_deg.iter().map(|q| fixed(*q, 1));
             let row = [of, spare.id.to_string()].into_iter().chain(joints);
             rows.push(row.chain([percent(spare.loss), or_dash(spare.map_error_px)]).collect());
         }

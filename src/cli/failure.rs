@@ -60,6 +60,9 @@ pub(super) enum Failure {
     #[error("{} exists already", .0.display())]
     #[diagnostic(help("give another name, or remove the file first"))]
     Exists(PathBuf),
+    #[error("the run would take {needed} of memory; this machine has {total}")]
+    #[diagnostic(help("{remedy}"))]
+    Memory { needed: String, total: String, remedy: &'static str },
     #[error("{0}")]
     Usage(String),
     #[error("cannot write the candidates: {0}")]
@@ -111,12 +114,8 @@ fn plan_help(error: &PlanError) -> String {
         PlanError::Survey(SurveyError::NoViews { contacts, .. }) if !contacts.is_empty() => {
             return contacts_text(contacts);
         }
-        PlanError::Survey(SurveyError::NoCandidates { .. }) => {
-            "check the target's pose and zone and the camera's mount, or sweep with a finer step; `axis = \"any\"` drops \
-             the axis test"
-        }
-        PlanError::Survey(SurveyError::NoViews { .. }) => {
-            "the reasons above tell which limit of [visibility] to loosen; a smaller board is seen whole from nearer"
+        PlanError::Survey(SurveyError::NoCandidates { diagnosis, .. } | SurveyError::NoViews { diagnosis, .. }) => {
+            return diagnosis.to_string();
         }
         PlanError::Survey(SurveyError::PoseUndetermined { .. }) => "use a board with more corners",
         PlanError::TooFewViews { .. } => {

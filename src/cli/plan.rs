@@ -8,7 +8,8 @@ use serde_json::json;
 
 use super::collision::{close_text, tested_text};
 use super::failure::Failure;
-use super::screen::{Screen, grouped, joint_columns, short, table};
+use super::memory::hold_against_memory;
+use super::screen::{Screen, fixed, grouped, joint_columns, short, table};
 use super::searching::searching;
 use super::verdict::Verdict;
 use super::{Overrides, TableFormat, WRITING, method, number_of, trials, verify as verify_command};
@@ -70,6 +71,7 @@ pub(super) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<Verd
         problem.output.clone_from(output);
     }
 
+    hold_against_memory(&problem, screen)?;
     let bar = screen.progress("sweeping", problem.space.len());
     let surveyed = candidates(&problem, &|swept| bar.inc(swept as u64));
     bar.finish_and_clear();
@@ -299,7 +301,7 @@ pub(super) fn pose_table(problem: &Problem, poses: &[PlannedPose]) -> String {
     let rows: Vec<Vec<String>> = poses
         .iter()
         .map(|pose| {
-            let joints = pose.joints_deg.iter().map(|q| format!("{q:.1}"));
+            let joints = pose.joints_deg.iter().map(|q| fixed(*q, 1));
             std::iter::once(pose.id.to_string())
                 .chain(joints)
                 .chain([
@@ -307,7 +309,7 @@ pub(super) fn pose_table(problem: &Problem, poses: &[PlannedPose]) -> String {
                     format!("{:.0}", 1e3 * pose.distance_m),
                     format!("{:.1}", 100.0 * pose.share),
                 ])
-                .chain(pose.stability_margin_m.map(|margin| format!("{:.0}", 1e3 * margin)))
+                .chain(pose.stability_margin_m.map(|margin| fixed(1e3 * margin, 0)))
                 .chain(problem.visibility.min_corners.map(|_| {
                     let seen = pose.corners_seen.as_ref().map_or(corners, Vec::len);
                     seen.to_string()

@@ -9,7 +9,7 @@ use serde_json::json;
 use super::collision::untested_text;
 use super::failure::Failure;
 use super::number_of;
-use super::screen::{Screen, joint_columns, short, table};
+use super::screen::{Screen, fixed, joint_columns, short, table};
 use crate::feasibility::LinkPair;
 use crate::plan::{Pose as PoseDocument, joints_deg, reach_starts};
 use crate::problem::Problem;
@@ -176,11 +176,6 @@ fn document(problem: &Problem, wished: &Pose, found: &[Reached], in_the_way: &[O
     })
 }
 
-/// A number to hundredths, without a sign on 0.
-fn hundredths(value: f64) -> String {
-    format!("{:.2}", (value * 100.0).round() / 100.0 + 0.0)
-}
-
 fn configurations(problem: &Problem, found: &[Reached], in_the_way: &[Option<LinkPair>]) -> String {
     let tested = problem.robot.has_bodies();
     let name = |link: usize| problem.robot.tree.links[link].name.as_str();
@@ -188,7 +183,7 @@ fn configurations(problem: &Problem, found: &[Reached], in_the_way: &[Option<Lin
     let errors = ["limit margin [%]", "position off [mm]", "angle off [deg]"].map(String::from);
     let header: Vec<String> = joints.chain(errors).chain(tested.then(|| "collision".into())).collect();
     let row = |(configuration, pair): (&Reached, &Option<LinkPair>)| {
-        let values = joints_deg(&problem.robot.chain, &configuration.q).into_iter().map(hundredths);
+        let values = joints_deg(&problem.robot.chain, &configuration.q).into_iter().map(|q| fixed(q, 2));
         let off = |error: f64| if error < 5e-7 { "0".to_owned() } else { short(error) };
         let errors = [
             format!("{:.0}", configuration.limit_margin * 100.0),

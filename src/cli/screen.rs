@@ -3,10 +3,11 @@
 use std::io::Write;
 
 use comfy_table::{CellAlignment, Table, presets};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use miette::{GraphicalReportHandler, GraphicalTheme};
 
 use super::failure::Failure;
+use super::progress::Progress;
+pub(super) use crate::figures::{fixed, grouped};
 use crate::robot::{Joint, JointKind};
 
 pub(super) struct Screen {
@@ -43,26 +44,21 @@ impl Screen {
         }
     }
 
-    /// A progress bar over `length` steps; drawn on stderr only when that is a terminal.
-    pub(super) fn progress(&self, what: &'static str, length: usize) -> ProgressBar {
-        let target = if self.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-        let bar = ProgressBar::with_draw_target(Some(length as u64), target);
-        if let Ok(style) = ProgressStyle::with_template("{msg:>12} {bar:40} {human_pos}/{human_len} {eta}") {
-            bar.set_style(style);
+    /// Tells of what may go wrong, on stderr.
+    pub(super) fn warn(&self, text: &str) {
+        if !self.quiet {
+            Self::complain(&format!("Warning: {text}."));
         }
-        bar.set_message(what);
-        bar
     }
 
-    /// A line for work of unknown length; drawn on stderr only when that is a terminal.
-    pub(super) fn spinner(&self, what: &'static str) -> ProgressBar {
-        let target = if self.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-        let bar = ProgressBar::with_draw_target(None, target);
-        if let Ok(style) = ProgressStyle::with_template("{prefix:>12} {spinner} {elapsed} {msg}") {
-            bar.set_style(style);
-        }
-        bar.set_prefix(what);
-        bar
+    /// A progress bar over `length` steps, on stderr.
+    pub(super) fn progress(&self, what: &'static str, length: usize) -> Progress {
+        Progress::new(self.quiet, what, Some(length), "{prefix:>12} {bar:40} {human_pos}/{human_len} {eta}")
+    }
+
+    /// A line for work of unknown length, on stderr.
+    pub(super) fn spinner(&self, what: &'static str) -> Progress {
+        Progress::new(self.quiet, what, None, "{prefix:>12} {spinner} {elapsed} {msg}")
     }
 
     pub(super) fn fail(failure: &Failure) {
@@ -109,20 +105,6 @@ pub(super) fn joint_columns(joints: &[Joint]) -> impl Iterator<Item = String> {
         let unit = if joint.kind == JointKind::Prismatic { "mm" } else { "deg" };
         format!("{} [{unit}]", joint.name)
     })
-}
-
-/// A count with thin groups of three digits, as in 502 656.
-pub(super) fn grouped(count: usize) -> String {
-    let digits = count.to_string();
-    let first = digits.len() % 3;
-    let mut text = digits[..first].to_owned();
-    for group in digits.as_bytes()[first..].chunks(3) {
-        if !text.is_empty() {
-            text.push(' ');
-        }
-        text.extend(group.iter().map(|&digit| char::from(digit)));
-    }
-    text
 }
 
 /// A number to four significant digits.

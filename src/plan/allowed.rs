@@ -5,6 +5,7 @@ use thiserror::Error;
 
 use super::survey::Survey;
 use crate::feasibility::View;
+use crate::figures::grouped;
 use crate::information::Measurement;
 use crate::information::packed::unpack;
 use crate::problem::{JointRegion, PoseConstraints, Problem};
@@ -18,7 +19,7 @@ use crate::target::{AxisCase, Corners};
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ConstraintError {
     /// A pose that must be in the plan is no view.
-    #[error("pose {id} is required, but it is not among the {views} configurations that see the board")]
+    #[error("pose {id} is required, but it is not among the {} configurations that see the board", grouped(*views))]
     NotAView {
         /// The pose's id.
         id: usize,

@@ -9,6 +9,7 @@ use super::allowed::{Captured, ConstraintError, captured, constraints, known};
 use super::objective::Objective;
 use super::proof::AccuracyDocument;
 use super::survey::{Survey, SurveyError};
+use crate::figures::grouped;
 use crate::information::Criterion;
 use crate::information::packed::{inverse, pack, packed_len, unpack};
 use crate::problem::{Accuracy, Problem};
@@ -25,7 +26,7 @@ pub enum PlanError {
     #[error(transparent)]
     Survey(#[from] SurveyError),
     /// More poses are asked for than there are views.
-    #[error("{count} poses are asked for, but only {views} configurations see the board and can be taken")]
+    #[error("{} poses are asked for, but only {} configurations see the board and can be taken", grouped(*count), grouped(*views))]
     TooFewViews {
         /// Poses asked for.
         count: usize,
@@ -111,7 +112,7 @@ fn describe_room(count: usize, found: usize, at_most: usize) -> String {
 fn describe_tried(count: usize, views: usize) -> String {
     match count {
         1 => "1 pose".into(),
-        _ if count == views => format!("all {count} views together"),
+        _ if count == views => format!("all {} views together", grouped(count)),
         _ => format!("{count} poses"),
     }
 }

@@ -6,10 +6,12 @@ mod certify;
 mod choice;
 mod collision;
 mod comparison;
+mod diagnosis;
 mod document;
 mod explain;
 mod explanation;
 mod files;
+mod forecast;
 mod make;
 mod next;
 mod objective;
@@ -21,6 +23,7 @@ mod recall;
 mod refine;
 mod rehearsal;
 mod retaken;
+mod smell;
 mod survey;
 mod verify;
 
@@ -30,6 +33,7 @@ pub use certify::{CertifyError, Confirmed, certify};
 pub use choice::{Choice, Chooser, PlanError};
 pub use collision::{CollisionDocument, Contact};
 pub use comparison::{Comparison, Equivalent, Row, compare, equivalent_kmeans};
+pub use diagnosis::{Diagnosis, Miss, Obstacle, diagnose};
 pub use document::{
     Candidates, Intrinsics, PLAN_FORMAT, PLAN_VERSION, Plan, PlanReadError, PlannedPose, Pose, ProblemReference,
     joints_deg,
@@ -40,6 +44,7 @@ pub use explanation::{
     SparePose, Suffering,
 };
 pub use files::{FileError, write_atomically, write_together};
+pub use forecast::{Forecast, forecast, forecast_bytes};
 pub use make::{FewestProof, Made, SearchSummary, make};
 pub use next::{Proposal, Wish, next};
 pub use polish::{PolishSettings, Polished, polish};
@@ -49,5 +54,6 @@ pub use reach::reach_starts;
 pub use recall::RecallError;
 pub use refine::candidates;
 pub use rehearsal::Rehearsal;
+pub use smell::Smell;
 pub use survey::{Survey, SurveyError, survey};
 pub use verify::{VerifyError, verify};

@@ -6,6 +6,7 @@ use super::choice::{Chooser, PlanError};
 use super::document::Plan;
 use super::objective::ACCURACY;
 use super::survey::Survey;
+use crate::figures::grouped;
 use crate::information::Criterion;
 use crate::problem::Problem;
 
@@ -13,7 +14,7 @@ use crate::problem::Problem;
 #[derive(Debug, Error)]
 pub enum RecallError {
     /// A pose is no view.
-    #[error("its pose {id} is not among the {views} configurations that see the board")]
+    #[error("its pose {id} is not among the {} configurations that see the board", grouped(*views))]
     NotAView {
         /// The pose's id.
         id: usize,

@@ -42,7 +42,7 @@ pub fn candidates(problem: &Problem, observe: &(dyn Fn(usize) + Sync)) -> Result
 
 /// Distance of neighbouring configurations along each joint: the grid's step, or for a sample of n in d joints the share
 /// n^(−1/d) of the joint's range.
-fn spacings(problem: &Problem) -> Vec<f64> {
+pub(super) fn spacings(problem: &Problem) -> Vec<f64> {
     match &problem.space {
         JointSpace::Grid(grid) => grid.steps(),
         JointSpace::Sample(sample) => {
@@ -54,7 +54,7 @@ fn spacings(problem: &Problem) -> Vec<f64> {
 }
 
 /// Tries configurations within `radii` of the picks, evenly among them, and adds those that are views.
-fn join(problem: &Problem, survey: &mut Survey, picks: &[Vec<f64>], radii: &[f64]) -> Result<(), PlanError> {
+pub(super) fn join(problem: &Problem, survey: &mut Survey, picks: &[Vec<f64>], radii: &[f64]) -> Result<(), PlanError> {
     let joints = &problem.robot.chain.joints;
     let around = |pick: &Vec<f64>| {
         let box_of = |((q, joint), radius): ((&f64, &crate::robot::Joint), &f64)| Limits {

@@ -5,7 +5,9 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use super::collision::{Contact, contacts};
+use super::diagnosis::{Diagnosis, diagnose};
 use crate::feasibility::{LinkPairs, Rejection, View, feasible_views};
+use crate::figures::grouped;
 use crate::information::{InformationSet, Measurement, map_error_weight};
 use crate::problem::Problem;
 use crate::sweep::{Sweep, sweep};
@@ -33,13 +35,15 @@ pub struct Survey {
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SurveyError {
     /// No optical axis meets the zone.
-    #[error("none of the {swept} configurations points the camera at the target zone")]
+    #[error("none of the {} configurations points the camera at the target zone", grouped(*swept))]
     NoCandidates {
         /// Configurations swept.
         swept: usize,
+        /// What stands in the way.
+        diagnosis: Box<Diagnosis>,
     },
     /// No candidate passes every check.
-    #[error("none of the {candidates} candidates is a view; rejected: {}", describe_rejections(rejected))]
+    #[error("none of the {} candidates is a view; rejected: {}", grouped(*candidates), describe_rejections(rejected))]
     NoViews {
         /// Candidates that passed the sweep.
         candidates: usize,
@@ -47,6 +51,8 @@ pub enum SurveyError {
         rejected: [usize; Rejection::ALL.len()],
         /// The pairs of links that collide in those rejected for that, the most frequent first.
         contacts: Vec<Contact>,
+        /// What stands in the way.
+        diagnosis: Box<Diagnosis>,
     },
     /// A view's pose is not determined by its own corners.
     #[error("the board's {columns} x {rows} corners do not determine its pose in the image")]
@@ -63,7 +69,7 @@ fn describe_rejections(rejected: &[usize]) -> String {
         .iter()
         .zip(rejected)
         .filter(|&(_, &count)| count > 0)
-        .map(|(reason, count)| format!("{count} {}", reason.name().replace('_', " ")))
+        .map(|(reason, count)| format!("{} {}", grouped(*count), reason.name().replace('_', " ")))
         .collect();
     counted.join(", ")
 }
@@ -73,23 +79,42 @@ fn describe_rejections(rejected: &[usize]) -> String {
 /// # Errors
 /// When no candidate is left.
 pub fn survey(problem: &Problem, observe: &(dyn Fn(usize) + Sync)) -> Result<Survey, SurveyError> {
-    let Problem { robot, camera, target, space, .. } = problem;
+    let Problem { robot, target, space, .. } = problem;
     let sweep = sweep(robot, target, space, problem.axis, observe);
     if sweep.candidates.is_empty() {
-        return Err(SurveyError::NoCandidates { swept: sweep.swept });
+        return Err(SurveyError::NoCandidates { swept: sweep.swept, diagnosis: Box::new(diagnose(problem)) });
     }
     let checks = problem.checks();
     let (views, rejected) = feasible_views(&checks, space, &sweep.candidates);
     if views.is_empty() {
         let contacts = contacts(problem, &checks, space, &sweep.candidates);
-        return Err(SurveyError::NoViews { candidates: sweep.candidates.len(), rejected, contacts });
+        let diagnosis = Box::new(diagnose(problem));
+        return Err(SurveyError::NoViews { candidates: sweep.candidates.len(), rejected, contacts, diagnosis });
     }
     let links = checks.collision().links().clone();
-    let corners: Vec<_> = target.board.corners().collect();
-    let measurement = Measurement { camera, corners: &corners, noise: problem.noise, estimated: &problem.estimated };
-    let information = measurement
-        .information_set(views.par_iter().map(|view| (&view.X_CT, &view.seen)))
-        .ok_or(SurveyError::PoseUndetermined { columns: target.board.columns, rows: target.board.rows })?;
-    let map_weight = map_error_weight(camera, &problem.estimated);
-    Ok(Survey { sweep, views, rejected, links, refined: 0, information, map_weight })
+    Ok(Survey { sweep, rejected, links, ..Survey::of(problem, views)? })
+}
+
+impl Survey {
+    /// The survey of these views alone, wherever they come from.
+    ///
+    /// # Errors
+    /// When a view's pose is not determined by its own corners.
+    pub(super) fn of(problem: &Problem, views: Vec<View>) -> Result<Self, SurveyError> {
+        let Problem { camera, target, noise, estimated, .. } = problem;
+        let corners: Vec<_> = target.board.corners().collect();
+        let measurement = Measurement { camera, corners: &corners, noise: *noise, estimated };
+        let information = measurement
+            .information_set(views.par_iter().map(|view| (&view.X_CT, &view.seen)))
+            .ok_or(SurveyError::PoseUndetermined { columns: target.board.columns, rows: target.board.rows })?;
+        Ok(Self {
+            sweep: Sweep { swept: views.len(), inside: 0, edge: 0, candidates: Vec::new() },
+            views,
+            rejected: [0; Rejection::ALL.len()],
+            links: LinkPairs::default(),
+            refined: 0,
+            information,
+            map_weight: map_error_weight(camera, estimated),
+        })
+    }
 }

@@ -56,6 +56,34 @@ impl JointSpace {
         self.len() == 0
     }
 
+    /// A space of about `count` configurations or fewer over the same ranges.
+    #[must_use]
+    pub fn coarser(&self, count: usize) -> Self {
+        match self {
+            JointSpace::Grid(grid) => {
+                let moving = grid.joints.iter().filter(|axis| axis.count > 1).count().max(1);
+                let factor = (self.size() / count as f64).powf(1.0 / moving as f64).ceil().max(1.0);
+                let coarser = |axis: &Axis| Axis {
+                    step: axis.step * factor,
+                    count: (axis.count - 1) / factor as usize + 1,
+                    ..*axis
+                };
+                JointSpace::Grid(JointGrid { joints: grid.joints.iter().map(coarser).collect() })
+            }
+            JointSpace::Sample(sample) => {
+                JointSpace::Sample(HaltonSample { len: sample.len.min(count), limits: sample.limits.clone() })
+            }
+        }
+    }
+
+    /// At most `count` configurations all over the space, by steps of the golden section: an even stride would be in step with a
+    /// grid and see one value of its inner joints. The first of them are as even as all.
+    pub fn evenly(&self, count: usize) -> impl Iterator<Item = usize> {
+        let total = self.len();
+        let step = move |i: usize| ((i as f64 * 0.618_033_988_749_895).fract() * total as f64) as usize;
+        (0..count.min(total)).map(move |i| if total <= count { i } else { step(i) })
+    }
+
     /// Joint values (rad or m) of configuration `id`, which must be below [`JointSpace::len`].
     pub fn configuration(&self, id: usize) -> Vec<f64> {
         match self {

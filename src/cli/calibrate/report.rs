@@ -7,7 +7,7 @@ use super::fit::OtherLens;
 use super::judgement::{Judgement, Wished, goal, lacks};
 use super::{LossName, Wish};
 use crate::calibration::{Calibration, residuals};
-use crate::cli::screen::{short, table};
+use crate::cli::screen::{fixed, short, table};
 use crate::formats::Detections;
 use crate::information::{map_error_at, map_error_weight};
 use crate::plan::Pose;
@@ -172,8 +172,8 @@ impl<'a> Report<'a> {
             short(residuals.median),
             short(residuals.percentile_95),
             short(residuals.largest),
-            short(residuals.mean.x),
-            short(residuals.mean.y),
+            fixed(residuals.mean.x, 4),
+            fixed(residuals.mean.y, 4),
             optional(map.centre),
             optional(map.edge),
             optional(map.corner),

@@ -6,76 +6,54 @@ mod tested;
 
 use std::path::Path;
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::failure::Failure;
+use super::memory::Memory;
 use super::plan::what_views_do;
-use super::screen::{Screen, grouped, short};
-use crate::feasibility::{Rejection, feasible_views};
-use crate::plan::CollisionDocument;
-use crate::problem::Problem;
-use crate::sweep::{AxisRule, JointSpace};
-use crate::target::AxisCase;
+use super::screen::{Screen, grouped};
+use crate::plan::{CollisionDocument, Diagnosis, Forecast, Obstacle, diagnose, forecast};
+use crate::problem::{Accuracy, Problem};
+use crate::selection::Method;
+use crate::sweep::JointSpace;
 use notes::{notes, notes_text};
 use sight::{sight, sight_text};
 use tested::{center_of_mass, self_collision, tests_text};
 
-/// Configurations tried to estimate how many see the board.
-const PILOT: usize = 20_000;
-
-/// Configurations swept per second and core, conservatively; see benches/.
-const SWEEP_RATE: f64 = 5e7;
-
-/// Seconds to test one candidate's view and weigh its information, conservatively.
-const VIEW_TIME: f64 = 1e-5;
-
-/// Seconds to test one visible candidate for collision and occlusion.
-const BODY_TIME: f64 = 1e-4;
+/// Simulated calibrations that `plan` ends with when nothing else is asked for.
+const TRIALS: usize = 100;
 
 pub(super) fn run(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
     let problem = Problem::read(file)?;
-    let Problem { robot, target, space, .. } = &problem;
+    let Problem { robot, space, .. } = &problem;
     let checks = problem.checks();
     let total = space.len();
-    let pilot: Vec<usize> = if total <= PILOT {
-        (0..total).collect()
-    } else {
-        // Golden-section steps: an even stride would be in step with the grid and see one value of the inner joints.
-        (0..PILOT).map(|i| ((i as f64 * 0.618_033_988_749_895).fract() * total as f64) as usize).collect()
-    };
-    let (mut views, rejected) = feasible_views(&checks, space, &pilot);
-    let visible = views.len() + rejected[Rejection::Unstable as usize..].iter().sum::<usize>();
-    if problem.axis == AxisRule::Zone {
-        views.retain(|view| view.axis_case(target) != AxisCase::Outside);
-    }
-    let share = views.len() as f64 / pilot.len() as f64;
-    let seen = (share * total as f64).round() as usize;
-    let p = problem.estimated.len();
-    let cores = rayon::current_num_threads() as f64;
-    // With the axis test the sweep hands on few; without it every configuration's view is tested.
-    let tested = if problem.axis == AxisRule::Any { total } else { (0.1 * total as f64) as usize };
-    let with_bodies = if checks.has_bodies() { visible as f64 / pilot.len() as f64 * total as f64 } else { 0.0 };
-    let work = total as f64 / SWEEP_RATE + tested as f64 * VIEW_TIME + with_bodies * BODY_TIME;
-    let seconds = work / cores + 0.5;
-    let per_view = 8 * (robot.chain.dof() + 20 + p * (p + 1) / 2);
-    let megabytes = ((tested * 8 + 2 * seen * per_view) as f64 / 1e6).ceil() + 30.0;
+    let forecast = forecast(&problem, TRIALS);
+    let Forecast { tried, views, seconds, bytes, .. } = forecast;
+    // Fewer views than poses are worth a look, and so are hardly more.
+    let is_scarce = views < forecast.count.unwrap_or(problem.selection.count);
+    let diagnosis = is_scarce.then(|| diagnose(&problem));
+    let memory = Memory::here().warning(bytes);
     let space_text = match space {
         JointSpace::Grid(grid) => {
-            let counts: Vec<String> = grid.counts().iter().map(usize::to_string).collect();
+            let counts: Vec<String> = grid.counts().into_iter().map(grouped).collect();
             format!("grid of {} = {} configurations", counts.join(" x "), grouped(total))
         }
         JointSpace::Sample(_) => format!("sample of {} configurations", grouped(total)),
     };
-    let selection = &problem.selection;
     screen.document(
         &json!({
             "format": "calipose.check",
             "version": 1,
             "problem": { "name": problem.name, "sha256": problem.sha256 },
             "configurations": total,
-            "estimated_views": seen,
+            "estimated_views": views,
+            "estimated_poses": forecast.count,
             "estimated_seconds": seconds,
-            "estimated_memory_mb": megabytes,
+            "search_limit_seconds": searches(&problem).then(|| problem.selection.time_limit.as_secs_f64()),
+            "estimated_memory_mb": (bytes / 1e6).ceil(),
+            "memory_warning": memory,
+            "diagnosis": diagnosis.as_ref().map(diagnosis_document),
             "camera": sight(&problem),
             "collision": CollisionDocument::new(&problem, checks.collision().links()),
             "self_collision": self_collision(&problem, &checks),
@@ -84,24 +62,104 @@ pub(super) fn run(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
         })
         .to_string(),
     )?;
-    screen.text(&format!(
-        "{}: valid.\n{}{} joints, {space_text}.\n{}\n{}About {} of them {} (from {} tried).\n`calipose plan` would \
-         choose {} poses by `{}` for criterion `{}`, estimating {}, and write to {}.\nIt would take about {} s and {} MB on \
-         this machine.",
+    let mut text = format!(
+        "{}: valid.\n{}{} joints, {space_text}.\n{}\n{}About {} of them {} (from {} tried).\n`calipose plan` would choose {}, \
+         estimating {}, and write to {}.\nIt would take about {}{} and {} MB on this machine.",
         problem.name,
         notes_text(&problem),
         robot.chain.dof(),
         sight_text(&problem),
         tests_text(&problem, &checks),
-        grouped(seen),
+        grouped(views),
         what_views_do(&problem),
-        grouped(pilot.len()),
-        selection.count,
-        selection.method.name(),
-        selection.criterion(),
+        grouped(tried),
+        chosen(&problem, &forecast),
         problem.estimated_names().join(" "),
         problem.output.display(),
-        short(seconds),
-        megabytes,
-    ))
+        duration(seconds),
+        if searches(&problem) {
+            format!(
+                ", up to {} more for the search for the proof,",
+                duration(problem.selection.time_limit.as_secs_f64())
+            )
+        } else {
+            String::new()
+        },
+        grouped((bytes / 1e6).ceil() as usize),
+    );
+    if let Some(diagnosis) = &diagnosis {
+        let few = if views == 0 { "no views".to_owned() } else { format!("only about {} views", grouped(views)) };
+        text += &format!("\n\nWarning: {few}. {diagnosis}");
+    }
+    if let Some(memory) = memory {
+        text += &format!("\n\nWarning: {memory}.");
+    }
+    screen.text(&text)
+}
+
+/// Whether a search follows that its time limit ends.
+fn searches(problem: &Problem) -> bool {
+    let selection = &problem.selection;
+    selection.method == Method::Exact || !selection.accuracies.is_empty()
+}
+
+/// What would be chosen, and how.
+fn chosen(problem: &Problem, forecast: &Forecast) -> String {
+    let selection = &problem.selection;
+    let names = problem.estimated_names();
+    if selection.accuracies.is_empty() {
+        let method = selection.method.name();
+        return format!("{} poses by `{method}` for criterion `{}`", grouped(selection.count), selection.criterion());
+    }
+    let wished = selection.accuracies.iter().map(|&(accuracy, wished)| match accuracy {
+        Accuracy::MapError => format!("map_error_px {wished}"),
+        Accuracy::Intrinsic(j) => format!("{} {wished}", names[j]),
+    });
+    let count = match forecast.count {
+        Some(count) => format!("about {}", grouped(count)),
+        None => "perhaps more than there are".into(),
+    };
+    format!("the fewest poses that reach {} ({count})", wished.collect::<Vec<_>>().join(", "))
+}
+
+fn diagnosis_document(diagnosis: &Diagnosis) -> Value {
+    json!({
+        "tried": diagnosis.tried,
+        "views": diagnosis.views,
+        "obstacle": diagnosis.obstacle.as_ref().map(|Obstacle { stops_all, nearest }| json!({
+            "reason": nearest.name(),
+            "stops_all": stops_all,
+            "nearest": nearest.to_string(),
+            "advice": nearest.advice(),
+        })),
+        "suspicions": diagnosis
+            .smells
+            .iter()
+            .map(|smell| json!({ "name": smell.name(), "sentence": smell.to_string() }))
+            .collect::<Value>(),
+    })
+}
+
+/// A time as one would say it.
+fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 10.0 => format!("{s:.1} s"),
+        s if s < 120.0 => format!("{s:.0} s"),
+        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
+        s if s < 172_800.0 => format!("{:.1} h", s / 3600.0),
+        s => format!("{} days", grouped((s / 86_400.0) as usize)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_told_in_their_units() {
+        assert_eq!(
+            [0.52, 33.2, 119.0, 150.0, 8000.0, 1e6].map(duration),
+            ["0.5 s", "33 s", "119 s", "2 min", "2.2 h", "11 days"]
+        );
+    }
 }

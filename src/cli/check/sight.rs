@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 
+use super::super::screen::fixed;
 use crate::problem::Problem;
 use crate::spatial::Pose;
 
@@ -56,8 +57,7 @@ fn direction(v: &Vector3<f64>) -> String {
             return format!("{}{name}", if v[axis] < 0.0 { "-" } else { "+" });
         }
     }
-    let hundredths = |value: f64| format!("{:.2}", (value * 100.0).round() / 100.0 + 0.0);
-    format!("({}, {}, {})", hundredths(v.x), hundredths(v.y), hundredths(v.z))
+    format!("({}, {}, {})", fixed(v.x, 2), fixed(v.y, 2), fixed(v.z, 2))
 }
 
 #[cfg(test)]

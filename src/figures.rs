@@ -1,0 +1,38 @@
+//! Figures as people read them.
+
+/// A count with thin groups of three digits, as in 502 656.
+pub fn grouped(count: usize) -> String {
+    let digits = count.to_string();
+    let first = digits.len() % 3;
+    let mut text = digits[..first].to_owned();
+    for group in digits.as_bytes()[first..].chunks(3) {
+        if !text.is_empty() {
+            text.push(' ');
+        }
+        text.extend(group.iter().map(|&digit| char::from(digit)));
+    }
+    text
+}
+
+/// A number to so many decimals, without a sign on 0.
+pub fn fixed(number: f64, decimals: usize) -> String {
+    let text = format!("{number:.decimals$}");
+    let is_zero = text.chars().all(|c| matches!(c, '-' | '0' | '.'));
+    if is_zero { text.trim_start_matches('-').to_owned() } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thousands_stand_apart() {
+        assert_eq!([0, 999, 1000, 502_656, 1_000_000].map(grouped), ["0", "999", "1 000", "502 656", "1 000 000"]);
+    }
+
+    #[test]
+    fn zero_has_no_sign() {
+        assert_eq!([-0.04, 6.13e-15, -6.13e-15, -0.05001].map(|q| fixed(q, 1)), ["0.0", "0.0", "0.0", "-0.1"]);
+        assert_eq!(fixed(-0.4, 0), "0");
+    }
+}
