@@ -43,12 +43,12 @@ pub enum SurveyError {
         diagnosis: Box<Diagnosis>,
     },
     /// No candidate passes every check.
-    #[error("none of the {} candidates is a view; rejected: {}", grouped(*candidates), describe_rejections(rejected))]
+    #[error("none of the {} candidates is a view; rejected: {}", grouped(*candidates), describe_rejections(&**rejected))]
     NoViews {
         /// Candidates that passed the sweep.
         candidates: usize,
         /// How many were rejected for each reason of [`Rejection::ALL`].
-        rejected: [usize; Rejection::ALL.len()],
+        rejected: Box<[usize; Rejection::ALL.len()]>,
         /// The pairs of links that collide in those rejected for that, the most frequent first.
         contacts: Vec<Contact>,
         /// What stands in the way.
@@ -89,6 +89,7 @@ pub fn survey(problem: &Problem, observe: &(dyn Fn(usize) + Sync)) -> Result<Sur
     if views.is_empty() {
         let contacts = contacts(problem, &checks, space, &sweep.candidates);
         let diagnosis = Box::new(diagnose(problem));
+        let rejected = Box::new(rejected);
         return Err(SurveyError::NoViews { candidates: sweep.candidates.len(), rejected, contacts, diagnosis });
     }
     let links = checks.collision().links().clone();

@@ -50,7 +50,7 @@ pub(super) fn run(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
             "estimated_views": views,
             "estimated_poses": forecast.count,
             "estimated_seconds": seconds,
-            "search_limit_seconds": searches(&problem).then(|| problem.selection.time_limit.as_secs_f64()),
+            "search_limit_seconds": searches(&problem).then_some(problem.selection.time_limit.as_secs_f64()),
             "estimated_memory_mb": (bytes / 1e6).ceil(),
             "memory_warning": memory,
             "diagnosis": diagnosis.as_ref().map(diagnosis_document),
