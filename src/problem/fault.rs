@@ -401,7 +401,7 @@ impl Fault {
             ),
             Reason::NoLimits { joints } => {
                 let ranges = joints.iter().map(|name| format!("{name} = [min, max]")).collect::<Vec<_>>().join(", ");
-                let unit = if last_key == "limits_mm" { "mm" } else { "deg" };
+                let unit = if self.last_key() == "limits_mm" { "mm" } else { "deg" };
                 format!(
                     "give the ranges from the robot's manual, `limits_{unit} = {{ {ranges} }}`, or hold joints with \
                      `joint_values_{unit}`"

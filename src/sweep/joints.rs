@@ -201,7 +201,7 @@ mod tests {
 
     #[test]
     fn a_grid_beyond_counting_has_a_size() {
-        let grid = JointGrid::new(&[degrees(0.0, 1e4); 4], &[0.01f64.to_radians(); 4]);
+        let grid = grid(&[degrees(0.0, 1e4); 4], &[0.01f64.to_radians(); 4]);
         assert_eq!(grid.len(), usize::MAX);
         assert!((JointSpace::Grid(grid).size() / 1_000_001f64.powi(4) - 1.0).abs() < 1e-12);
     }
