@@ -2,7 +2,7 @@
 //!
 //! Results go to stdout, progress and errors to stderr. Exit codes: 0 done; 1 the command failed; 2 the command line was
 //! wrong; 3 the problem file, plan or file of observations was refused; 4 done, but the result is bad; 70 a bug in calipose;
-//! 130 interrupted.
+//! 130, 143, 129 interrupted by Ctrl-C, a termination or a hang-up.
 
 mod calibrate;
 mod certify;
@@ -12,6 +12,7 @@ mod compare;
 mod explain;
 mod failure;
 mod init;
+mod interrupt;
 mod next;
 mod plan;
 mod planned;
@@ -25,7 +26,6 @@ mod verify;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::{Mutex, PoisonError};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
@@ -43,7 +43,7 @@ use crate::selection::Method;
     version,
     max_term_width = 100,
     after_help = "Exit codes: 0 done, 1 failed, 2 wrong command line, 3 input file refused, 4 done but the result is bad, 70 bug, \
-                  130 interrupted."
+                  130 interrupted (143 terminated, 129 hung up)."
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -144,21 +144,9 @@ enum TableFormat {
     Parquet,
 }
 
-/// Held while files are written, so that an interrupt waits for them.
-static WRITING: Mutex<()> = Mutex::new(());
-
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
-    // An interrupt ends the process between files, never within a group that belongs together.
-    // A search ends first, with the best it has.
-    let handler = ctrlc::set_handler(|| {
-        if searching::interrupt() {
-            return;
-        }
-        let _writing = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
-        std::process::exit(130);
-    });
-    drop(handler); // without a handler an interrupt still ends the process
+    interrupt::handle();
     std::panic::set_hook(Box::new(|panic| {
         Screen::report_bug(&panic.to_string());
     }));

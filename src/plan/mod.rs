@@ -21,6 +21,7 @@ mod recall;
 mod refine;
 mod rehearsal;
 mod retaken;
+mod results;
 mod survey;
 mod verify;
 
@@ -39,7 +40,7 @@ pub use explanation::{
     CombinationTerm, CurvePoint, EXPLANATION_FORMAT, EXPLANATION_VERSION, Explanation, LeastKnown, PoseExplanation,
     SparePose, Suffering,
 };
-pub use files::{FileError, write_atomically, write_together};
+pub use files::{FileError, probe, write_atomically, write_together};
 pub use make::{FewestProof, Made, SearchSummary, make};
 pub use next::{Proposal, Wish, next};
 pub use polish::{PolishSettings, Polished, polish};
@@ -49,5 +50,9 @@ pub use reach::reach_starts;
 pub use recall::RecallError;
 pub use refine::candidates;
 pub use rehearsal::Rehearsal;
+pub use results::{
+    OPTIONAL_FILES, PLAN_FILE, RUN_FILE, RUN_FORMAT, Run, RunProblem, RunSeconds, add_results, check_results,
+    hold_to_read, owner, write_results,
+};
 pub use survey::{Survey, SurveyError, survey};
 pub use verify::{VerifyError, verify};
