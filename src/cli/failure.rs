@@ -76,11 +76,30 @@ pub(super) enum Failure {
     Usage(String),
     #[error("cannot write the candidates: {0}")]
     Table(String),
-    #[error("cannot write to stdout: {0}")]
+    #[error("cannot write to stdout")]
     Stdout(#[from] std::io::Error),
 }
 
 impl Failure {
+    /// Name of what failed, for programs.
+    pub(super) fn kind(&self) -> &'static str {
+        match self {
+            Failure::Problem(_) => "problem-file",
+            Failure::Plan(_) => "no-plan",
+            Failure::File(_) | Failure::Table(_) | Failure::Stdout(_) => "cannot-write",
+            Failure::Observations { .. } => "observations",
+            Failure::Calibration { .. } => "no-calibration",
+            Failure::PlanFile { .. } => "plan-file",
+            Failure::Mixed { .. } => "mixed-files",
+            Failure::OtherPlan { .. } => "other-plan",
+            Failure::Certify { .. } => "certificate",
+            Failure::Unreached { .. } => "unreached",
+            Failure::Exists(_) => "exists",
+            Failure::Usage(_) => "command-line",
+            _ => "failed",
+        }
+    }
+
     pub(super) fn exit_code(&self) -> u8 {
         match self {
             // A file that does not state its board needs the options that do.

@@ -9,6 +9,7 @@ mod certify;
 mod check;
 mod collision;
 mod compare;
+mod error_document;
 mod explain;
 mod failure;
 mod init;
@@ -147,16 +148,25 @@ enum TableFormat {
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
     interrupt::handle();
-    std::panic::set_hook(Box::new(|panic| {
-        Screen::report_bug(&panic.to_string());
+    // Known before the command line is, which may be wrong.
+    let json = std::env::args_os().any(|argument| argument == "--json");
+    std::panic::set_hook(Box::new(move |panic| {
+        Screen::report_bug(&panic.to_string(), json);
     }));
     match std::panic::catch_unwind(|| {
-        let arguments = Arguments::parse();
+        let arguments = match Arguments::try_parse() {
+            Ok(arguments) => arguments,
+            Err(error) if json && error.use_stderr() => {
+                Screen::refuse(&error);
+                return ExitCode::from(2);
+            }
+            Err(error) => error.exit(),
+        };
         let mut screen = Screen::new(arguments.output.quiet, arguments.output.json);
         match run(&arguments.command, &mut screen) {
             Ok(verdict) => verdict.exit_code(),
             Err(failure) => {
-                Screen::fail(&failure);
+                screen.fail(&failure);
                 ExitCode::from(failure.exit_code())
             }
         }
@@ -186,10 +196,10 @@ fn run(command: &Command, screen: &mut Screen) -> Result<Verdict, Failure> {
     }
 }
 
-/// Parser of `--trials`: none, or enough for a standard deviation and few enough for memory.
+/// Parser of `--trials`: none, or enough for a standard deviation and few enough for memory. A million tell it to 0.1 %.
 fn trials() -> impl clap::builder::TypedValueParser<Value = usize> {
     use clap::builder::TypedValueParser;
-    clap::value_parser!(u64).range(0..=10_000_000).try_map(|trials| {
+    clap::value_parser!(u64).range(0..=1_000_000).try_map(|trials| {
         if trials == 1 { Err("one trial has no scatter; ask for 0 or at least 2") } else { Ok(trials as usize) }
     })
 }

@@ -6,8 +6,12 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use super::failure::Failure;
 use super::screen::Screen;
+use crate::formats::read_at_most;
 use crate::plan::{Chooser, Plan, RecallError, Run, Survey, candidates, check_results, hold_to_read};
 use crate::problem::Problem;
+
+/// Bytes of a plan; a larger file is something else.
+const LARGEST: u64 = 100_000_000;
 
 /// A plan and its problem.
 pub(super) struct Planned {
@@ -32,7 +36,8 @@ impl Planned {
     pub(super) fn open(path: &Path, problem: Option<&Path>) -> Result<Self, Failure> {
         let refused = |reason: String| Failure::PlanFile { path: path.to_owned(), reason };
         let held = hold_to_read(path);
-        let text = std::fs::read_to_string(path).map_err(|error| refused(error.to_string()))?;
+        let text = read_at_most(path, LARGEST).map_err(|error| refused(error.to_string()))?;
+        let text = String::from_utf8(text).map_err(|_| refused("it is not UTF-8 text".into()))?;
         let mixed = check_results(path);
         drop(held);
         let plan = Plan::from_json(&text).map_err(|error| refused(error.to_string()))?;

@@ -148,6 +148,9 @@ pub(super) fn failures(found: &MonteCarlo) -> String {
 /// Fewer successful trials tell too little for a verdict: the interval of a ratio is wider than ±35 %.
 const LEAST_TRIALS: usize = 30;
 
+/// Failed trials listed in documents; more are only counted.
+const LISTED_FAILURES: usize = 1000;
+
 /// A greater share of failed trials is said in the verdict.
 const MANY_FAILURES: f64 = 0.01;
 
@@ -230,6 +233,7 @@ pub(super) fn document(plan: &Plan, found: &MonteCarlo, seed: u64) -> Value {
         "failures": found
             .failures
             .iter()
+            .take(LISTED_FAILURES)
             .map(|failure| json!({ "trial": failure.trial, "reason": failure.reason.to_string() }))
             .collect::<Vec<_>>(),
         "holds": judgement.holds,
