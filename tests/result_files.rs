@@ -13,7 +13,7 @@ use desk::{Desk, text};
 fn wait_for(what: &str, done: impl Fn() -> bool) {
     let start = Instant::now();
     while !done() {
-        assert!(start.elapsed() < Duration::from_secs(120), "{what} did not come");
+        assert!(start.elapsed() < Duration::from_mins(2), "{what} did not come");
         std::thread::sleep(Duration::from_micros(100));
     }
 }
@@ -214,10 +214,10 @@ fn what_has_no_end_is_not_read_to_it() {
 fn endless_faults_are_counted_and_the_first_drawn() {
     let desk = Desk::new();
     let text = std::fs::read_to_string(desk.path("coarse.toml")).unwrap();
-    let wrong = format!("\n[constraints]\ncaptured = [{}]\n", "[1],\n".repeat(20_000));
+    let wrong = format!("\n[constraints]\ncaptured = [{}]\n", "[1],\n".repeat(500));
     std::fs::write(desk.path("wrong.toml"), text + &wrong).unwrap();
     let complaint = desk.complaint("check wrong.toml", 3);
-    assert!(complaint.contains("has 20000 errors; the first 20"), "{}", &complaint[..200]);
+    assert!(complaint.contains("has 500 errors; the first 20"), "{}", &complaint[..200]);
     assert_eq!(complaint.matches("one for each").count(), 20);
 }
 

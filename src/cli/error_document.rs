@@ -20,12 +20,12 @@ pub(super) fn document(failure: &Failure) -> Value {
         failure.exit_code(),
         &message.collect::<Vec<_>>().join(": "),
         help.as_deref(),
-        faults(failure),
+        &faults(failure),
     )
 }
 
 /// A failure outside a command: of the command line, or a bug.
-pub(super) fn error(kind: &str, exit_code: u8, message: &str, help: Option<&str>, faults: Vec<Value>) -> Value {
+pub(super) fn error(kind: &str, exit_code: u8, message: &str, help: Option<&str>, faults: &[Value]) -> Value {
     json!({
         "format": "calipose.error",
         "version": 1,

@@ -96,7 +96,7 @@ impl Failure {
             Failure::Unreached { .. } => "unreached",
             Failure::Exists(_) => "exists",
             Failure::Usage(_) => "command-line",
-            _ => "failed",
+            Failure::Verify(_) => "no-verification",
         }
     }
 

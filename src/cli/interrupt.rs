@@ -33,7 +33,7 @@ fn interrupt(exit_code: i32) {
     if SEARCHING.load(Ordering::SeqCst) && !INTERRUPTED.swap(true, Ordering::SeqCst) {
         return;
     }
-    writing(|| std::process::exit(exit_code))
+    writing(|| std::process::exit(exit_code));
 }
 
 /// Handles interrupts from now on. Those that were ignored before, as by `nohup`, stay so. Without a handler they still end

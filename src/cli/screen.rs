@@ -86,7 +86,7 @@ impl Screen {
     /// Says in JSON what is wrong with the command line.
     pub(super) fn refuse(error: &clap::Error) {
         let message = error.render().to_string();
-        let document = error_document::error("command-line", 2, message.trim_end(), None, Vec::new());
+        let document = error_document::error("command-line", 2, message.trim_end(), None, &[]);
         Self::complain(&format!("{document:#}"));
     }
 
@@ -96,7 +96,7 @@ impl Screen {
             env!("CARGO_PKG_VERSION")
         );
         if json {
-            Self::complain(&format!("{:#}", error_document::error("bug", 70, &message, None, Vec::new())));
+            Self::complain(&format!("{:#}", error_document::error("bug", 70, &message, None, &[])));
         } else {
             Self::complain(&message);
         }
