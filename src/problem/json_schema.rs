@@ -1,5 +1,7 @@
 //! The JSON Schema of problem files, and what it says about a key.
 
+use std::sync::LazyLock;
+
 use schemars::Schema;
 use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;
@@ -55,10 +57,11 @@ fn adapt_to_toml(schema: &mut Schema) {
 /// What the key at `path` means: its description in the schema. Names that the file makes up below it, of sets of
 /// limits, share it.
 pub(super) fn meaning(path: &KeyPath) -> Option<String> {
-    let root = schema_json();
-    let mut node = &root;
+    /// Made once: a file may have many faults.
+    static ROOT: LazyLock<Value> = LazyLock::new(schema_json);
+    let mut node = &*ROOT;
     for key in path.keys() {
-        let Some(properties) = object_below(&root, node).get("properties") else { break };
+        let Some(properties) = object_below(&ROOT, node).get("properties") else { break };
         node = properties.get(key)?;
     }
     Some(node.get("description")?.as_str()?.to_owned())
