@@ -172,8 +172,8 @@ fn what_is_known_beforehand_counts() {
     // By criteria that are not of the intrinsics too.
     for (criterion, least) in [("zhang", "3"), ("diversity", "6")] {
         let value = |file: &str| {
-            let plan = plan(&desk, &format!("plan {file} -k {least} --criterion {criterion} -o counted"));
-            assert!(desk.stdout("certify counted/plan.json").contains("the certificate holds"));
+            let plan = plan(&desk, &format!("plan {file} -k {least} --criterion {criterion} -o counted-{file}"));
+            assert!(desk.stdout(&format!("certify counted-{file}/plan.json")).contains("the certificate holds"));
             plan["value"].as_f64().unwrap()
         };
         assert!(value("begun.toml") > value("coarse.toml"), "{criterion}");

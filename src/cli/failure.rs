@@ -85,6 +85,7 @@ impl Failure {
     pub(super) fn kind(&self) -> &'static str {
         match self {
             Failure::Problem(_) => "problem-file",
+            Failure::Draft { .. } => "robot-file",
             Failure::Plan(_) => "no-plan",
             Failure::File(_) | Failure::Table(_) | Failure::Stdout(_) => "cannot-write",
             Failure::Observations { .. } => "observations",
@@ -114,7 +115,11 @@ impl Failure {
             } => 2,
             // The nearest configuration was shown.
             Failure::Unreached { .. } => 4,
-            Failure::Problem(_) | Failure::Draft { .. } | Failure::PlanFile { .. } | Failure::Mixed { .. } | Failure::Observations { .. } => 3,
+            Failure::Problem(_)
+            | Failure::Draft { .. }
+            | Failure::PlanFile { .. }
+            | Failure::Mixed { .. }
+            | Failure::Observations { .. } => 3,
             _ => 1,
         }
     }
