@@ -192,7 +192,7 @@ fn an_output_folder_that_cannot_be_made_is_named() {
     let desk = Desk::new();
     std::fs::write(desk.path("taken"), "a file").unwrap();
     let complaint = desk.complaint("plan coarse.toml -o taken/out", 1);
-    assert!(complaint.contains("cannot write taken/out/plan.json"), "{complaint}");
+    assert!(complaint.contains("cannot write taken/out"), "{complaint}");
     assert!(complaint.contains("writable"), "{complaint}");
     assert_eq!(std::fs::read_to_string(desk.path("taken")).unwrap(), "a file");
 }

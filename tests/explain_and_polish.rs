@@ -123,8 +123,12 @@ fn polish_writes_better_poses_beside_the_plan() {
     let first = format!("{},{}", polished.poses[0].id, polished.poses[0].joints_rad[0]);
     assert!(table.lines().count() == 11 && table.lines().nth(1).unwrap().starts_with(&first), "{table}");
     assert_eq!(before, std::fs::read(desk.path().join("out/plan.json")).unwrap());
-    // A new plan takes away what was polished of the old one.
-    stdout(desk.path(), "plan problem.toml --trials 0 -q -k 9 -o out");
+    // The same plan made again keeps what was polished of it; another takes it away, and says so.
+    let again = stdout(desk.path(), &format!("plan problem.toml --trials 0 -k {} -o out", plan.count));
+    assert!(!again.contains("Removed") && desk.path().join("out/polished.csv").exists(), "{again}");
+    stdout(desk.path(), "polish out/plan.json --cycles 1 -q");
+    let other = stdout(desk.path(), "plan problem.toml --trials 0 -k 9 -o out");
+    assert!(other.contains("Removed, as of the plan before: polished.json, polished.csv."), "{other}");
     assert!(!desk.path().join("out/polished.json").exists() && !desk.path().join("out/polished.csv").exists());
 }
 
@@ -134,19 +138,24 @@ fn what_is_no_plan_of_the_problem_is_refused() {
     assert!(complaint(desk.path(), "explain out/plan.json --most 0", 2).contains("--most"));
     assert!(complaint(desk.path(), "explain out/plan.json --spares 1001", 2).contains("--spares"));
     assert!(complaint(desk.path(), "polish out/plan.json --cycles 0", 2).contains("--cycles"));
-    let path = desk.path().join("out/plan.json");
-    let text = std::fs::read_to_string(&path).unwrap();
+    // Alone, a plan is judged by itself.
+    let path = desk.path().join("alone/plan.json");
+    std::fs::create_dir(desk.path().join("alone")).unwrap();
+    let text = std::fs::read_to_string(desk.path().join("out/plan.json")).unwrap();
     let change = |change: &dyn Fn(&mut Plan)| {
         let mut plan = Plan::from_json(&text).unwrap();
         change(&mut plan);
         std::fs::write(&path, plan.to_json()).unwrap();
     };
     for command in ["explain", "polish"] {
-        let plan = format!("{command} out/plan.json");
+        let plan = format!("{command} alone/plan.json --problem problem.toml");
         assert!(complaint(desk.path(), &format!("{command} out/missing.json"), 3).contains("missing.json"));
         assert!(complaint(desk.path(), &format!("{command} out/run.json"), 3).contains("calipose.run"));
         assert!(complaint(desk.path(), &format!("{command} problem.toml"), 3).contains("not a plan"));
-        assert!(complaint(desk.path(), &format!("{plan} --problem missing.toml"), 3).contains("missing.toml"));
+        assert!(
+            complaint(desk.path(), &format!("{command} out/plan.json --problem missing.toml"), 3)
+                .contains("missing.toml")
+        );
         change(&|plan| plan.poses[0].id += 1_000_000);
         assert!(complaint(desk.path(), &plan, 3).contains("is not among the"));
         change(&|plan| plan.poses[0].joints_rad[1] += 1e-3);
@@ -157,7 +166,6 @@ fn what_is_no_plan_of_the_problem_is_refused() {
         assert!(complaint(desk.path(), &plan, 3).contains("no criterion of the problem"));
         change(&|plan| plan.poses.truncate(0));
         assert!(complaint(desk.path(), &plan, 3).contains("joint values"));
-        std::fs::write(&path, &text).unwrap();
     }
     assert!(!desk.path().join("out/polished.json").exists());
 }

@@ -110,7 +110,7 @@ fn the_fewest_poses_that_reach_an_accuracy_are_found_and_proven() {
     with(&desk, "narrow.toml", &narrow, "\n[constraints]\njoint_separation_deg = 150\n");
     assert!(plan(&desk, "plan narrow.toml -o narrow")["map_error_px"].as_f64().unwrap() <= 10.0 * wished);
     with(&desk, "too_narrow.toml", &narrow, "\n[constraints]\njoint_separation_deg = 250\n");
-    let complaint = desk.complaint("plan too_narrow.toml -o narrow", 1);
+    let complaint = desk.complaint("plan too_narrow.toml -o too_narrow", 1);
     assert!(
         complaint.contains("all that may be chosen") || complaint.contains("no set of poses was found"),
         "{complaint}"
@@ -172,8 +172,8 @@ fn what_is_known_beforehand_counts() {
     // By criteria that are not of the intrinsics too.
     for (criterion, least) in [("zhang", "3"), ("diversity", "6")] {
         let value = |file: &str| {
-            let plan = plan(&desk, &format!("plan {file} -k {least} --criterion {criterion} -o counted"));
-            assert!(desk.stdout("certify counted/plan.json").contains("the certificate holds"));
+            let plan = plan(&desk, &format!("plan {file} -k {least} --criterion {criterion} -o counted-{file}"));
+            assert!(desk.stdout(&format!("certify counted-{file}/plan.json")).contains("the certificate holds"));
             plan["value"].as_f64().unwrap()
         };
         assert!(value("begun.toml") > value("coarse.toml"), "{criterion}");

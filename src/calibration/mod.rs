@@ -181,7 +181,14 @@ pub enum CalibrationError {
     },
     /// The optimum is not a camera.
     #[error("the optimum is not a camera: {0}")]
-    Camera(#[from] CameraError),
+    Camera(CameraError),
+}
+
+// The message has it already: it is no further cause.
+impl From<CameraError> for CalibrationError {
+    fn from(error: CameraError) -> Self {
+        Self::Camera(error)
+    }
 }
 
 fn share_text(count: usize, of: usize) -> String {

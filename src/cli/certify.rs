@@ -20,11 +20,12 @@ pub(super) struct CertifyArguments {
 }
 
 pub(super) fn run(arguments: &CertifyArguments, screen: &mut Screen) -> Result<(), Failure> {
-    let planned = Planned::read(&arguments.plan, arguments.problem.as_deref())?;
+    let planned = Planned::open(&arguments.plan, arguments.problem.as_deref())?;
     let survey = planned.survey(screen)?;
-    let Planned { plan, problem } = &planned;
+    let Planned { plan, problem, .. } = &planned;
     let confirmed = certify(plan, problem, &survey)
         .map_err(|error| Failure::Certify { path: arguments.plan.clone(), error: Box::new(error) })?;
+    planned.among_its_own(&arguments.plan, &[])?;
     screen.document(
         &json!({
             "format": "calipose.certified",

@@ -5,9 +5,10 @@ use std::path::Path;
 use clap_complete::Shell;
 use clap_mangen::Man;
 
+use super::Arguments;
 use super::failure::Failure;
+use super::interrupt::writing;
 use super::screen::Screen;
-use super::{Arguments, WRITING};
 use crate::plan::write_atomically;
 
 pub(super) fn completions(shell: Shell) -> Result<(), Failure> {
@@ -23,11 +24,7 @@ pub(super) fn manual(folder: Option<&Path>, screen: &mut Screen) -> Result<(), F
     command.build();
     let commands = command.get_subcommands().filter(|subcommand| subcommand.get_name() != "help").cloned();
     let pages = std::iter::once(command.clone()).chain(commands).map(page).collect::<Result<Vec<_>, Failure>>()?;
-    let writing = WRITING.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    for (name, text) in &pages {
-        write_atomically(&folder.join(name), text.as_bytes())?;
-    }
-    drop(writing);
+    writing(|| pages.iter().try_for_each(|(name, text)| write_atomically(&folder.join(name), text.as_bytes())))?;
     screen.text(&format!("Written to {}: {} manual pages.", folder.display(), pages.len()))
 }
 

@@ -9,7 +9,7 @@ use super::collision::contacts_text;
 use super::screen::short;
 use crate::calibration::CalibrationError;
 use crate::formats::{FileReadError, ReadError, ReadFault};
-use crate::plan::{CertifyError, ConstraintError, FileError, PlanError, SurveyError, VerifyError};
+use crate::plan::{CertifyError, ConstraintError, FileError, PlanError, RUN_FILE, SurveyError, VerifyError};
 use crate::problem::{DraftError, ProblemError};
 use crate::selection::SelectionError;
 
@@ -26,7 +26,7 @@ pub(super) enum Failure {
     #[diagnostic(help("{}", plan_help(.0)))]
     Plan(#[from] PlanError),
     #[error(transparent)]
-    #[diagnostic(help("check that the folder exists, is writable and has room; nothing was overwritten"))]
+    #[diagnostic(help("{}", file_help(.0)))]
     File(#[from] FileError),
     #[error("{}: {error}", path.display())]
     #[diagnostic(help("{}", observations_help(error)))]
@@ -42,6 +42,18 @@ pub(super) enum Failure {
     },
     #[error("cannot use the plan {}: {reason}", path.display())]
     PlanFile { path: PathBuf, reason: String },
+    #[error("the plan {} and files beside it are not of one run: {} {} otherwise than {RUN_FILE} says", path.display(),
+        files.join(", "), if files.len() == 1 { "is" } else { "are" })]
+    #[diagnostic(help(
+        "a run was ended while it wrote, or a file was changed; make the plan again (or polish it again), or take the plan alone \
+         into another folder and name its problem file with --problem"
+    ))]
+    Mixed { path: PathBuf, files: Vec<String> },
+    #[error("{} is the plan of {theirs}, not of {ours}", path.display())]
+    #[diagnostic(help(
+        "give the problem another `name`, take another folder with --output, or replace the plan with --force"
+    ))]
+    OtherPlan { path: PathBuf, theirs: String, ours: String },
     #[error("the plan {} does not hold: {error}", path.display())]
     #[diagnostic(help("it was changed, or made by a faulty program; make a new plan"))]
     Certify { path: PathBuf, error: Box<CertifyError> },
@@ -67,11 +79,32 @@ pub(super) enum Failure {
     Usage(String),
     #[error("cannot write the candidates: {0}")]
     Table(String),
-    #[error("cannot write to stdout: {0}")]
+    #[error("cannot write to stdout")]
     Stdout(#[from] std::io::Error),
 }
 
 impl Failure {
+    /// Name of what failed, for programs.
+    pub(super) fn kind(&self) -> &'static str {
+        match self {
+            Failure::Problem(_) => "problem-file",
+            Failure::Memory { .. } => "memory",
+            Failure::Draft { .. } => "robot-file",
+            Failure::Plan(_) => "no-plan",
+            Failure::File(_) | Failure::Table(_) | Failure::Stdout(_) => "cannot-write",
+            Failure::Observations { .. } => "observations",
+            Failure::Calibration { .. } => "no-calibration",
+            Failure::PlanFile { .. } => "plan-file",
+            Failure::Mixed { .. } => "mixed-files",
+            Failure::OtherPlan { .. } => "other-plan",
+            Failure::Certify { .. } => "certificate",
+            Failure::Unreached { .. } => "unreached",
+            Failure::Exists(_) => "exists",
+            Failure::Usage(_) => "command-line",
+            Failure::Verify(_) => "no-verification",
+        }
+    }
+
     pub(super) fn exit_code(&self) -> u8 {
         match self {
             // A file that does not state its board needs the options that do.
@@ -86,7 +119,11 @@ impl Failure {
             } => 2,
             // The nearest configuration was shown.
             Failure::Unreached { .. } => 4,
-            Failure::Problem(_) | Failure::Draft { .. } | Failure::PlanFile { .. } | Failure::Observations { .. } => 3,
+            Failure::Problem(_)
+            | Failure::Draft { .. }
+            | Failure::PlanFile { .. }
+            | Failure::Mixed { .. }
+            | Failure::Observations { .. } => 3,
             _ => 1,
         }
     }
@@ -106,6 +143,18 @@ fn unreached_help(joints: usize) -> String {
     } else {
         "the configuration shown is the best approximation found; ask for a pose nearer to the arm".into()
     }
+}
+
+fn file_help(error: &FileError) -> String {
+    let advice = "check that the folder exists, is writable and has room";
+    if error.done.is_empty() {
+        return format!("{advice}; nothing was overwritten");
+    }
+    let done: Vec<String> = error.done.iter().map(|path| path.display().to_string()).collect();
+    format!(
+        "{advice}, and run it again: replaced or removed already, so that the files do not belong together now: {}",
+        done.join(", ")
+    )
 }
 
 fn plan_help(error: &PlanError) -> String {

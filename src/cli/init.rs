@@ -4,8 +4,8 @@ use std::path::Path;
 
 use serde_json::json;
 
-use super::WRITING;
 use super::failure::Failure;
+use super::interrupt::writing;
 use super::screen::Screen;
 use crate::plan::write_atomically;
 use crate::problem::{STARTER, draft, schema_json};
@@ -21,9 +21,7 @@ pub(super) fn run(file: Option<&Path>, urdf: Option<&Path>, screen: &mut Screen)
         None => STARTER.to_owned(),
         Some(urdf) => draft(urdf, file).map_err(|error| Failure::Draft { path: urdf.to_owned(), error })?,
     };
-    let writing = WRITING.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    write_atomically(file, text.as_bytes())?;
-    drop(writing);
+    writing(|| write_atomically(file, text.as_bytes()))?;
     screen.document(&json!({ "format": "calipose.init", "version": 1, "file": file }).to_string())?;
     let edit =
         if urdf.is_some() { "Check its lines that say GUESS, replace those that say FILL IN" } else { "Edit it" };

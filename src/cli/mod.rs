@@ -2,7 +2,7 @@
 //!
 //! Results go to stdout, progress and errors to stderr. Exit codes: 0 done; 1 the command failed; 2 the command line was
 //! wrong; 3 the problem file, plan or file of observations was refused; 4 done, but the result is bad; 70 a bug in calipose;
-//! 130 interrupted.
+//! 130, 143, 129 interrupted by Ctrl-C, a termination or a hang-up.
 
 mod calibrate;
 mod certify;
@@ -10,9 +10,11 @@ mod check;
 mod collision;
 mod compare;
 mod completions;
+mod error_document;
 mod explain;
 mod failure;
 mod init;
+mod interrupt;
 mod memory;
 mod next;
 mod plan;
@@ -28,7 +30,6 @@ mod verify;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::{Mutex, PoisonError};
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
@@ -46,7 +47,7 @@ use crate::selection::Method;
     version,
     max_term_width = 100,
     after_help = "Exit codes: 0 done, 1 failed, 2 wrong command line, 3 input file refused, 4 done but the result is bad, 70 bug, \
-                  130 interrupted."
+                  130 interrupted (143 terminated, 129 hung up)."
 )]
 struct Arguments {
     #[command(subcommand)]
@@ -66,9 +67,8 @@ impl Arguments {
     }
 
     /// Those of the process; ends it with what is wrong with them, or with the help asked for.
-    fn typed() -> Self {
-        let arguments = Self::from_arg_matches(&Self::commands().get_matches());
-        arguments.unwrap_or_else(|error| error.exit())
+    fn typed() -> Result<Self, clap::Error> {
+        Self::from_arg_matches(&Self::commands().try_get_matches()?)
     }
 }
 
@@ -185,31 +185,28 @@ enum TableFormat {
     Parquet,
 }
 
-/// Held while files are written, so that an interrupt waits for them.
-static WRITING: Mutex<()> = Mutex::new(());
-
 /// Runs the program with the process's arguments.
 pub fn main() -> ExitCode {
-    // An interrupt ends the process between files, never within a group that belongs together.
-    // A search ends first, with the best it has.
-    let handler = ctrlc::set_handler(|| {
-        if searching::interrupt() {
-            return;
-        }
-        let _writing = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
-        std::process::exit(130);
-    });
-    drop(handler); // without a handler an interrupt still ends the process
-    std::panic::set_hook(Box::new(|panic| {
-        Screen::report_bug(&panic.to_string());
+    interrupt::handle();
+    // Known before the command line is, which may be wrong.
+    let json = std::env::args_os().any(|argument| argument == "--json");
+    std::panic::set_hook(Box::new(move |panic| {
+        Screen::report_bug(&panic.to_string(), json);
     }));
     match std::panic::catch_unwind(|| {
-        let arguments = Arguments::typed();
+        let arguments = match Arguments::typed() {
+            Ok(arguments) => arguments,
+            Err(error) if json && error.use_stderr() => {
+                Screen::refuse(&error);
+                return ExitCode::from(2);
+            }
+            Err(error) => error.exit(),
+        };
         let mut screen = Screen::new(arguments.output.quiet, arguments.output.json);
         match run(&arguments.command, &mut screen) {
             Ok(verdict) => verdict.exit_code(),
             Err(failure) => {
-                Screen::fail(&failure);
+                screen.fail(&failure);
                 ExitCode::from(failure.exit_code())
             }
         }
@@ -249,10 +246,10 @@ fn number_of(none: bool) -> impl Fn(&str) -> Result<usize, String> + Clone + Sen
     }
 }
 
-/// Parser of `--trials`: none, or enough for a standard deviation and few enough for memory.
+/// Parser of `--trials`: none, or enough for a standard deviation and few enough for memory. A million tell it to 0.1 %.
 fn trials() -> impl clap::builder::TypedValueParser<Value = usize> {
     use clap::builder::TypedValueParser;
-    clap::value_parser!(u64).range(0..=10_000_000).try_map(|trials| {
+    clap::value_parser!(u64).range(0..=1_000_000).try_map(|trials| {
         if trials == 1 { Err("one trial has no scatter; ask for 0 or at least 2") } else { Ok(trials as usize) }
     })
 }

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::json;
 
-use super::WRITING;
 use super::collision::untested_text;
 use super::failure::Failure;
+use super::interrupt::writing;
 use super::plan::pose_table;
 use super::planned::Planned;
 use super::screen::{Screen, short, table};
@@ -62,7 +62,7 @@ impl NextArguments {
 
 pub(super) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<Verdict, Failure> {
     let wish = arguments.wish()?;
-    let Planned { plan, problem } = Planned::read(&arguments.plan, arguments.problem.as_deref())?;
+    let Planned { plan, problem, .. } = Planned::read(&arguments.plan, arguments.problem.as_deref())?;
     let path = &arguments.observations;
     let stated = Stated {
         board: Some(problem.target.board),
@@ -117,9 +117,7 @@ pub(super) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<Verd
     let folder = arguments.plan.parent().unwrap_or(Path::new(""));
     let table_of_poses = proposal.to_csv(&problem).map_err(|error| Failure::Table(error.to_string()))?;
     let files = [("next.json", format!("{document:#}\n").into_bytes()), ("next.csv", table_of_poses)];
-    let writing = WRITING.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    write_together(folder, &files, &[])?;
-    drop(writing);
+    writing(|| write_together(folder, &files, &[]))?;
     screen.document(&document.to_string())?;
     let rows: Vec<Vec<String>> =
         (0..names.len()).map(|i| vec![names[i].to_owned(), short(θ[i]), short(σ[i])]).collect();

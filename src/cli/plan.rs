@@ -1,21 +1,21 @@
 //! `calipose plan`.
 
-use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::path::PathBuf;
+use std::time::Instant;
 
 use clap::Args;
-use serde_json::json;
 
 use super::collision::{close_text, tested_text};
 use super::failure::Failure;
+use super::interrupt::writing;
 use super::memory::hold_against_memory;
 use super::screen::{Screen, fixed, grouped, joint_columns, short, table};
 use super::searching::searching;
 use super::verdict::Verdict;
-use super::{Overrides, TableFormat, WRITING, method, number_of, trials, verify as verify_command};
+use super::{Overrides, TableFormat, method, number_of, trials, verify as verify_command};
 use crate::plan::{
-    Chooser, Plan, PlannedPose, Survey, candidates, candidates_csv, candidates_parquet, compare, make, verify,
-    write_together,
+    Chooser, PLAN_FILE, Plan, PlannedPose, RUN_FILE, Run, RunSeconds, Survey, add_results, candidates, candidates_csv,
+    candidates_parquet, compare, make, owner, probe, verify, write_results,
 };
 use crate::problem::Problem;
 use crate::selection::Method;
@@ -34,6 +34,9 @@ pub(super) struct PlanArguments {
     /// Folder for the plan [default: the file's]
     #[arg(long, short)]
     output: Option<PathBuf>,
+    /// Replace the plan of another problem file
+    #[arg(long)]
+    force: bool,
     /// Number of simulated calibrations that check the plan; 0 for none
     #[arg(long, default_value_t = 100, value_parser = trials())]
     trials: usize,
@@ -45,31 +48,11 @@ pub(super) struct PlanArguments {
 /// Seeds of the k-means runs that the summary sets beside the plan.
 const BASELINE_SEEDS: usize = 5;
 
-/// Files beside a plan that not every run writes; those of an earlier plan must not stay beside a new one.
-const OPTIONAL_FILES: [&str; 5] =
-    ["verification.json", "candidates.csv", "candidates.parquet", "polished.json", "polished.csv"];
-
 pub(super) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<Verdict, Failure> {
     let start = Instant::now();
-    let mut problem = arguments.problem.problem()?;
-    let selection = &mut problem.selection;
-    selection.count = arguments.count.unwrap_or(selection.count);
-    selection.method = arguments.method.unwrap_or(selection.method);
-    let overridden = arguments.count.is_some() || arguments.method.is_some();
-    if overridden && !selection.accuracies.is_empty() {
-        let what = "the file wishes for an accuracy, which decides on the number of poses and the method; leave --count and \
-                    --method out, or take `accuracy` out of the file";
-        return Err(Failure::Usage(what.into()));
-    }
-    if !selection.method.heeds_constraints() && !problem.constraints.allow_all() {
-        let method = selection.method.name();
-        return Err(Failure::Usage(format!(
-            "--method {method} does not look at the file's [constraints]; take another"
-        )));
-    }
-    if let Some(output) = &arguments.output {
-        problem.output.clone_from(output);
-    }
+    let problem = arguments.problem()?;
+    // What would stop the writing is found before the work.
+    arguments.may_write(&problem)?;
 
     hold_against_memory(&problem, screen)?;
     let bar = screen.progress("sweeping", problem.space.len());
@@ -82,52 +65,103 @@ pub(super) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<Verd
     let made = searching(screen, &problem, |observe| make(&problem, chooser, observe));
     let (made, chooser) = made?;
     let plan = Plan::new(&problem, &chooser, &made)?;
-    let selection_time = start.elapsed().saturating_sub(survey_time);
+
+    // The plan is safe before its simulated calibrations, which may take long, are looked at.
+    let seconds = RunSeconds {
+        survey: survey_time.as_secs_f64(),
+        selection: start.elapsed().saturating_sub(survey_time).as_secs_f64(),
+        total: start.elapsed().as_secs_f64(),
+    };
+    let mut run = Run::new(&problem, &arguments.problem.file, seconds);
+    let files = arguments.files(&problem, &survey, &plan)?;
+    let mut written: Vec<&str> = files.iter().rev().map(|(name, _)| *name).collect();
+    let removed = writing(|| write_results(&problem.output, &mut run, &files))?;
 
     let bar = screen.progress("verifying", arguments.trials);
     let verified = verified(&problem, &survey, &plan, arguments.trials, &|_| bar.inc(1));
     bar.finish_and_clear();
     let verified = verified?;
-
-    let mut files = vec![
-        ("plan.json", plan.to_json().into_bytes()),
-        ("plan.csv", plan.to_csv(&problem.robot.chain.joints).map_err(in_memory)?),
-    ];
     if let Some(found) = &verified {
         let document = verify_command::document(&plan, found, plan.seed);
-        files.push(("verification.json", format!("{document:#}\n").into_bytes()));
+        let files = [("verification.json", format!("{document:#}\n").into_bytes())];
+        run.seconds.total = start.elapsed().as_secs_f64();
+        let path = problem.output.join(PLAN_FILE);
+        writing(|| add_results(&path, plan.to_json().as_bytes(), Some(&run), &files))?;
+        written.push("verification.json");
     }
-    match arguments.candidates {
-        Some(TableFormat::Csv) => {
-            files.push(("candidates.csv", candidates_csv(&problem, &survey.views).map_err(in_memory)?));
-        }
-        Some(TableFormat::Parquet) => {
-            files.push(("candidates.parquet", candidates_parquet(&problem, &survey.views).map_err(in_memory)?));
-        }
-        None => {}
-    }
-    let run = run_document(&arguments.problem.file, &problem, survey_time, selection_time, start.elapsed());
-    files.push(("run.json", run.into_bytes()));
-    let writing = WRITING.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    write_together(&problem.output, &files, &OPTIONAL_FILES)?;
-    drop(writing);
 
     screen.document(&plan.to_json())?;
     let verdict = verified.as_ref().map_or(Verdict::Good, |found| verify_command::judgement(found).verdict());
-    if !screen.shows_text() {
-        return Ok(verdict);
+    if screen.shows_text() {
+        screen.text(&format!(
+            "{}{}{}\nWritten to {}: {}, {RUN_FILE}, in {:.2} s.{}",
+            summary(&problem, &survey, &chooser, &plan)?,
+            verified.as_ref().map(sentence).unwrap_or_default(),
+            collision(&problem, &survey, &plan),
+            problem.output.display(),
+            written.join(", "),
+            start.elapsed().as_secs_f64(),
+            if removed.is_empty() {
+                String::new()
+            } else {
+                format!("\nRemoved, as of the plan before: {}.", removed.join(", "))
+            },
+        ))?;
     }
-    let summary = summary(&problem, &survey, &chooser, &plan)?;
-    let names: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
-    screen.text(&format!(
-        "{summary}{}{}\nWritten to {}: {}, in {:.2} s.",
-        verified.as_ref().map(sentence).unwrap_or_default(),
-        collision(&problem, &survey, &plan),
-        problem.output.display(),
-        names.join(", "),
-        start.elapsed().as_secs_f64(),
-    ))?;
     Ok(verdict)
+}
+
+impl PlanArguments {
+    /// The file's problem with what the command line says instead.
+    fn problem(&self) -> Result<Problem, Failure> {
+        let mut problem = self.problem.problem()?;
+        let selection = &mut problem.selection;
+        selection.count = self.count.unwrap_or(selection.count);
+        selection.method = self.method.unwrap_or(selection.method);
+        let overridden = self.count.is_some() || self.method.is_some();
+        if overridden && !selection.accuracies.is_empty() {
+            let what = "the file wishes for an accuracy, which decides on the number of poses and the method; leave --count and \
+                        --method out, or take `accuracy` out of the file";
+            return Err(Failure::Usage(what.into()));
+        }
+        if !selection.method.heeds_constraints() && !problem.constraints.allow_all() {
+            let method = selection.method.name();
+            return Err(Failure::Usage(format!(
+                "--method {method} does not look at the file's [constraints]; take another"
+            )));
+        }
+        if let Some(output) = &self.output {
+            problem.output.clone_from(output);
+        }
+        Ok(problem)
+    }
+
+    /// That the plan can be written, and replaces none of another problem.
+    fn may_write(&self, problem: &Problem) -> Result<(), Failure> {
+        let file = &self.problem.file;
+        match owner(&problem.output, problem, file) {
+            Some(theirs) if !self.force => Err(Failure::OtherPlan {
+                path: problem.output.join(PLAN_FILE),
+                theirs,
+                ours: format!("{} (\"{}\")", file.display(), problem.name),
+            }),
+            _ => Ok(probe(&problem.output)?),
+        }
+    }
+
+    /// The files to write, the plan last.
+    fn files(&self, problem: &Problem, survey: &Survey, plan: &Plan) -> Result<Vec<(&'static str, Vec<u8>)>, Failure> {
+        let views = &survey.views;
+        let candidates = match self.candidates {
+            Some(TableFormat::Csv) => Some(("candidates.csv", candidates_csv(problem, views).map_err(in_memory)?)),
+            Some(TableFormat::Parquet) => {
+                Some(("candidates.parquet", candidates_parquet(problem, views).map_err(in_memory)?))
+            }
+            None => None,
+        };
+        let poses = plan.to_csv(&problem.robot.chain.joints).map_err(in_memory)?;
+        Ok(candidates.into_iter().chain([("plan.csv", poses), (PLAN_FILE, plan.to_json().into_bytes())]).collect())
+    }
 }
 
 /// The plan's simulated calibrations, unless none were asked for.
@@ -170,22 +204,6 @@ fn sentence(found: &MonteCarlo) -> String {
 
 fn in_memory(error: impl std::fmt::Display) -> Failure {
     Failure::Table(error.to_string())
-}
-
-fn run_document(file: &Path, problem: &Problem, survey: Duration, selection: Duration, total: Duration) -> String {
-    let document = json!({
-        "format": "calipose.run",
-        "version": 1,
-        "calipose": env!("CARGO_PKG_VERSION"),
-        "problem": { "name": problem.name, "sha256": problem.sha256, "file": std::path::absolute(file).ok() },
-        "threads": rayon::current_num_threads(),
-        "seconds": {
-            "survey": survey.as_secs_f64(),
-            "selection": selection.as_secs_f64(),
-            "total": total.as_secs_f64(),
-        },
-    });
-    format!("{document:#}\n")
 }
 
 fn summary(problem: &Problem, survey: &Survey, chooser: &Chooser, plan: &Plan) -> Result<String, Failure> {

@@ -6,20 +6,40 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use super::failure::Failure;
 use super::screen::Screen;
-use crate::plan::{Chooser, Plan, RecallError, Survey, candidates};
+use crate::formats::read_at_most;
+use crate::plan::{Chooser, Plan, RecallError, Run, Survey, candidates, check_results, hold_to_read};
 use crate::problem::Problem;
+
+/// Bytes of a plan; a larger file is something else.
+const LARGEST: u64 = 100_000_000;
 
 /// A plan and its problem.
 pub(super) struct Planned {
     pub(super) plan: Plan,
     pub(super) problem: Problem,
+    /// The plan's file as it was read.
+    pub(super) text: String,
+    /// Names of the files beside it that are not of the run that wrote it.
+    mixed: Vec<String>,
 }
 
 impl Planned {
     /// Reads the plan at `path` and its problem: `problem` if given, else the file that `run.json` beside the plan names.
+    /// The plan must be among files of its own run.
     pub(super) fn read(path: &Path, problem: Option<&Path>) -> Result<Self, Failure> {
+        let planned = Self::open(path, problem)?;
+        planned.among_its_own(path, &[])?;
+        Ok(planned)
+    }
+
+    /// Reads as [`read`](Self::read) does, whatever is beside the plan.
+    pub(super) fn open(path: &Path, problem: Option<&Path>) -> Result<Self, Failure> {
         let refused = |reason: String| Failure::PlanFile { path: path.to_owned(), reason };
-        let text = std::fs::read_to_string(path).map_err(|error| refused(error.to_string()))?;
+        let held = hold_to_read(path);
+        let text = read_at_most(path, LARGEST).map_err(|error| refused(error.to_string()))?;
+        let text = String::from_utf8(text).map_err(|_| refused("it is not UTF-8 text".into()))?;
+        let mixed = check_results(path);
+        drop(held);
         let plan = Plan::from_json(&text).map_err(|error| refused(error.to_string()))?;
         let problem_path = problem
             .map(Path::to_owned)
@@ -62,7 +82,13 @@ impl Planned {
             problem.selection.count = plan.count;
         }
         problem.selection.seed = plan.seed;
-        Ok(Self { plan, problem })
+        Ok(Self { plan, problem, text, mixed })
+    }
+
+    /// That the plan at `path` and the files beside it are of one run, those of `except` aside.
+    pub(super) fn among_its_own(&self, path: &Path, except: &[&str]) -> Result<(), Failure> {
+        let files: Vec<String> = self.mixed.iter().filter(|name| !except.contains(&name.as_str())).cloned().collect();
+        if files.is_empty() { Ok(()) } else { Err(Failure::Mixed { path: path.to_owned(), files }) }
     }
 
     /// Surveys the problem anew.
@@ -83,7 +109,5 @@ impl Planned {
 }
 
 fn named_by_run(plan: &Path) -> Option<PathBuf> {
-    let text = std::fs::read_to_string(plan.with_file_name("run.json")).ok()?;
-    let run: serde_json::Value = serde_json::from_str(&text).ok()?;
-    run["problem"]["file"].as_str().map(PathBuf::from)
+    Run::read(plan.parent().unwrap_or(Path::new("")))?.problem.file
 }

@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::WRITING;
 use super::collision::untested_text;
 use super::failure::Failure;
+use super::interrupt::writing;
 use super::plan::pose_table;
 use super::planned::Planned;
 use super::screen::{Screen, short};
-use crate::plan::{PolishSettings, PolishedPlan, polish, write_together};
+use crate::plan::{PolishSettings, PolishedPlan, add_results, polish, probe};
 
 #[derive(Debug, Args)]
 pub(super) struct PolishArguments {
@@ -24,11 +24,17 @@ pub(super) struct PolishArguments {
     cycles: usize,
 }
 
+/// What is written beside the plan; what was there before is of no account.
+const FILES: [&str; 2] = ["polished.json", "polished.csv"];
+
 pub(super) fn run(arguments: &PolishArguments, screen: &mut Screen) -> Result<(), Failure> {
     if arguments.cycles == 0 {
         return Err(Failure::Usage("--cycles must be at least 1".into()));
     }
-    let planned = Planned::read(&arguments.plan, arguments.problem.as_deref())?;
+    let planned = Planned::open(&arguments.plan, arguments.problem.as_deref())?;
+    planned.among_its_own(&arguments.plan, &FILES)?;
+    let folder = arguments.plan.parent().unwrap_or(Path::new(""));
+    probe(folder)?;
     let survey = planned.survey(screen)?;
     let (chooser, selected) = planned.recall(&arguments.plan, &survey)?;
     let settings = PolishSettings { cycles: arguments.cycles, ..PolishSettings::default() };
@@ -38,15 +44,13 @@ pub(super) fn run(arguments: &PolishArguments, screen: &mut Screen) -> Result<()
         bar.tick();
     });
     bar.finish_and_clear();
-    let Planned { plan, problem } = &planned;
+    let Planned { plan, problem, text, .. } = &planned;
     let found = PolishedPlan::new(problem, &chooser, plan, &polished?);
 
     let table = found.to_csv(&problem.robot.chain.joints).map_err(|error| Failure::Table(error.to_string()))?;
-    let files = [("polished.json", found.to_json().into_bytes()), ("polished.csv", table)];
-    let folder = arguments.plan.parent().unwrap_or(Path::new(""));
-    let writing = WRITING.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    write_together(folder, &files, &[])?;
-    drop(writing);
+    let [document, poses] = FILES;
+    let files = [(poses, table), (document, found.to_json().into_bytes())];
+    writing(|| add_results(&arguments.plan, text.as_bytes(), None, &files))?;
 
     screen.document(&found.to_json())?;
     let end = if found.converged { "" } else { ", where the limit ended them" };

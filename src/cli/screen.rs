@@ -5,6 +5,7 @@ use std::io::Write;
 use comfy_table::{CellAlignment, Table, presets};
 use miette::{GraphicalReportHandler, GraphicalTheme};
 
+use super::error_document;
 use super::failure::Failure;
 use super::progress::Progress;
 pub(super) use crate::figures::{fixed, grouped};
@@ -61,7 +62,11 @@ impl Screen {
         Progress::new(self.quiet, what, None, "{prefix:>12} {spinner} {elapsed} {msg}")
     }
 
-    pub(super) fn fail(failure: &Failure) {
+    /// Says what went wrong: drawn, or as a document if the user asked for JSON.
+    pub(super) fn fail(&self, failure: &Failure) {
+        if self.json {
+            return Self::complain(&format!("{:#}", error_document::document(failure)));
+        }
         let theme = if std::io::IsTerminal::is_terminal(&std::io::stderr()) && std::env::var_os("NO_COLOR").is_none() {
             GraphicalTheme::unicode()
         } else {
@@ -74,11 +79,23 @@ impl Screen {
         Self::complain(text.trim_end());
     }
 
-    pub(super) fn report_bug(what: &str) {
-        Self::complain(&format!(
+    /// Says in JSON what is wrong with the command line.
+    pub(super) fn refuse(error: &clap::Error) {
+        let message = error.render().to_string();
+        let document = error_document::error("command-line", 2, message.trim_end(), None, &[]);
+        Self::complain(&format!("{document:#}"));
+    }
+
+    pub(super) fn report_bug(what: &str, json: bool) {
+        let message = format!(
             "This is a bug in calipose {}, not your mistake. Please report it with the problem file and this line:\n{what}",
             env!("CARGO_PKG_VERSION")
-        ));
+        );
+        if json {
+            Self::complain(&format!("{:#}", error_document::error("bug", 70, &message, None, &[])));
+        } else {
+            Self::complain(&message);
+        }
     }
 
     fn complain(text: &str) {

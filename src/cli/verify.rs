@@ -90,7 +90,7 @@ pub(super) fn run(arguments: &VerifyArguments, screen: &mut Screen) -> Result<Ve
         return Err(Failure::Usage("--trials must be at least 2".into()));
     }
     let disturbance = arguments.disturbance.disturbance()?;
-    let Planned { plan, problem } = Planned::read(&arguments.plan, arguments.problem.as_deref())?;
+    let Planned { plan, problem, .. } = Planned::read(&arguments.plan, arguments.problem.as_deref())?;
     let bar = screen.progress("calibrating", arguments.trials);
     let configurations: Vec<Vec<f64>> = plan.poses.iter().map(|pose| pose.joints_rad.clone()).collect();
     let verified = verify(&problem, &configurations, &disturbance, arguments.trials, arguments.seed, &|_| bar.inc(1));
@@ -147,6 +147,9 @@ pub(super) fn failures(found: &MonteCarlo) -> String {
 
 /// Fewer successful trials tell too little for a verdict: the interval of a ratio is wider than ±35 %.
 const LEAST_TRIALS: usize = 30;
+
+/// Failed trials listed in documents; more are only counted.
+const LISTED_FAILURES: usize = 1000;
 
 /// A greater share of failed trials is said in the verdict.
 const MANY_FAILURES: f64 = 0.01;
@@ -230,6 +233,7 @@ pub(super) fn document(plan: &Plan, found: &MonteCarlo, seed: u64) -> Value {
         "failures": found
             .failures
             .iter()
+            .take(LISTED_FAILURES)
             .map(|failure| json!({ "trial": failure.trial, "reason": failure.reason.to_string() }))
             .collect::<Vec<_>>(),
         "holds": judgement.holds,

@@ -1,6 +1,7 @@
 //! Reading files from disk.
 
-use std::io;
+use std::fs::File;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
@@ -25,11 +26,8 @@ pub enum FileReadError {
         kind: io::ErrorKind,
     },
     /// It is too large to be one of these files.
-    #[error("has {bytes} bytes; at most {LARGEST} are read")]
-    TooLarge {
-        /// Its size.
-        bytes: u64,
-    },
+    #[error("is larger than {LARGEST} bytes")]
+    TooLarge,
     /// It is not UTF-8 text.
     #[error("is not UTF-8 text: line {line} has a byte that belongs to no character")]
     Encoding {
@@ -92,12 +90,23 @@ pub fn read_srdf_file(path: &Path, tree: &Tree) -> Result<(Vec<[usize; 2]>, Vec<
 
 /// The file at `path`.
 pub(super) fn bytes(path: &Path) -> Result<Vec<u8>, FileReadError> {
-    let read = |error: io::Error| FileReadError::Read { kind: error.kind() };
-    let bytes = std::fs::metadata(path).map_err(read)?.len();
-    if bytes > LARGEST {
-        return Err(FileReadError::TooLarge { bytes });
+    read_at_most(path, LARGEST).map_err(|error| match error.kind() {
+        io::ErrorKind::FileTooLarge => FileReadError::TooLarge,
+        kind => FileReadError::Read { kind },
+    })
+}
+
+/// The file at `path`, at most `most` bytes of it. Pipes are read as files are; what has no end is given up there.
+pub(crate) fn read_at_most(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    let file = File::open(path)?;
+    let mut bytes = Vec::new();
+    if file.metadata()?.len() <= most {
+        file.take(most + 1).read_to_end(&mut bytes)?;
+        if bytes.len() as u64 <= most {
+            return Ok(bytes);
+        }
     }
-    std::fs::read(path).map_err(read)
+    Err(io::Error::new(io::ErrorKind::FileTooLarge, format!("it is larger than {most} bytes")))
 }
 
 fn text(path: &Path) -> Result<String, FileReadError> {

@@ -39,6 +39,7 @@ mod xml;
 pub use camera::{CameraFormat, StatedCamera, WriteError, read_camera};
 pub use detections::{Detections, Stated, read_detections};
 pub use error::{ReadError, ReadFault};
+pub(crate) use file::read_at_most;
 pub use file::{
     FileReadError, outline_urdf_file, read_camera_file, read_detections_file, read_srdf_file, read_urdf_file,
 };

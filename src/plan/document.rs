@@ -75,7 +75,7 @@ pub struct Plan {
 pub enum PlanReadError {
     /// It is not JSON, or a key is missing or of the wrong type.
     #[error("not a plan: {0}")]
-    Json(#[source] serde_json::Error),
+    Json(serde_json::Error),
     /// It is another kind of document.
     #[error("the key `format` is \"{found}\"; a plan says \"{PLAN_FORMAT}\"")]
     Format {

@@ -22,6 +22,7 @@ mod reach;
 mod recall;
 mod refine;
 mod rehearsal;
+mod results;
 mod retaken;
 mod smell;
 mod survey;
@@ -43,7 +44,7 @@ pub use explanation::{
     CombinationTerm, CurvePoint, EXPLANATION_FORMAT, EXPLANATION_VERSION, Explanation, LeastKnown, PoseExplanation,
     SparePose, Suffering,
 };
-pub use files::{FileError, write_atomically, write_together};
+pub use files::{FileError, probe, write_atomically, write_together};
 pub use forecast::{Forecast, forecast, forecast_bytes};
 pub use make::{FewestProof, Made, SearchSummary, make};
 pub use next::{Proposal, Wish, next};
@@ -54,6 +55,10 @@ pub use reach::reach_starts;
 pub use recall::RecallError;
 pub use refine::candidates;
 pub use rehearsal::Rehearsal;
+pub use results::{
+    OPTIONAL_FILES, PLAN_FILE, RUN_FILE, RUN_FORMAT, Run, RunProblem, RunSeconds, add_results, check_results,
+    hold_to_read, owner, write_results,
+};
 pub use smell::Smell;
 pub use survey::{Survey, SurveyError, survey};
 pub use verify::{VerifyError, verify};

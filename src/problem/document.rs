@@ -62,12 +62,15 @@ impl fmt::Display for KeyPath {
 /// The text of a problem file with the place of every key and value.
 pub(super) struct Document<'a> {
     text: &'a str,
+    /// First byte of every line.
+    lines: Vec<usize>,
     root: Spanned<DeTable<'a>>,
 }
 
 impl<'a> Document<'a> {
     pub(super) fn parse(text: &'a str) -> Result<Self, Error> {
-        Ok(Self { text, root: DeTable::parse(text)? })
+        let lines = std::iter::once(0).chain(text.match_indices('\n').map(|(newline, _)| newline + 1)).collect();
+        Ok(Self { text, lines, root: DeTable::parse(text)? })
     }
 
     /// The bytes of the value at `path`, of the key if it is a section; of the nearest key above where the file leaves
@@ -96,7 +99,9 @@ impl<'a> Document<'a> {
 
     /// Line and column of a byte, both from 1; columns count characters.
     pub(super) fn line_and_column(&self, byte: usize) -> (usize, usize) {
-        line_and_column(self.text, byte)
+        let line = self.lines.partition_point(|&start| start <= byte);
+        let start = self.lines.get(line.saturating_sub(1)).copied().unwrap_or_default();
+        (line, self.text.get(start..byte).unwrap_or_default().chars().count() + 1)
     }
 }
 

@@ -1,5 +1,7 @@
 //! The JSON Schema of problem files, and what it says about a key.
 
+use std::sync::LazyLock;
+
 use schemars::Schema;
 use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;
@@ -55,19 +57,21 @@ fn adapt_to_toml(schema: &mut Schema) {
 /// What the key at `path` means: its description in the schema. Names that the file makes up below it, of sets of
 /// limits, share it.
 pub(super) fn meaning(path: &KeyPath) -> Option<String> {
-    Some(node(&schema_json(), path)?.get("description")?.as_str()?.to_owned())
+    Some(node(path)?.get("description")?.as_str()?.to_owned())
 }
 
 /// The least value of the whole number at `path`, where the schema has one.
 pub(super) fn least(path: &KeyPath) -> Option<u64> {
-    node(&schema_json(), path)?.get("minimum")?.as_u64()
+    node(path)?.get("minimum")?.as_u64()
 }
 
 /// The part of the schema that describes the key at `path`, or the nearest key above that is described.
-fn node<'s>(root: &'s Value, path: &KeyPath) -> Option<&'s Value> {
-    let mut node = root;
+fn node(path: &KeyPath) -> Option<&'static Value> {
+    /// Made once: a file may have many faults.
+    static ROOT: LazyLock<Value> = LazyLock::new(schema_json);
+    let mut node = &*ROOT;
     for key in path.keys() {
-        let Some(properties) = object_below(root, node).get("properties") else { break };
+        let Some(properties) = object_below(&ROOT, node).get("properties") else { break };
         node = properties.get(key)?;
     }
     Some(node)

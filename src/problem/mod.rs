@@ -33,6 +33,7 @@ use sha2::{Digest, Sha256};
 
 use crate::camera::Camera;
 use crate::feasibility::{Checks, Stability, VisibilityLimits};
+use crate::formats::read_at_most;
 use crate::information::Criterion;
 use crate::robot::{Limits, Robot};
 use crate::selection::Method;
@@ -193,6 +194,9 @@ pub struct PoseGroup {
     pub most: usize,
 }
 
+/// Bytes of a problem file; a larger one is something else.
+const LARGEST: u64 = 16_000_000;
+
 /// Most configurations that a sweep may have. One that keeps all of them as candidates holds them all in memory; one
 /// that keeps those that point at the zone only takes time.
 fn most_configurations(rule: AxisRule) -> usize {
@@ -220,7 +224,7 @@ impl Problem {
     /// # Errors
     /// When the file cannot be read or says something impossible.
     pub fn read(path: &Path) -> Result<Self, ProblemError> {
-        let bytes = std::fs::read(path).map_err(|source| ProblemError::Read { path: path.into(), source })?;
+        let bytes = read_at_most(path, LARGEST).map_err(|source| ProblemError::Read { path: path.into(), source })?;
         let text = String::from_utf8(bytes).map_err(|error| {
             let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
             let line = String::from_utf8_lossy(valid).matches('\n').count() + 1;

@@ -38,7 +38,7 @@ pub enum SelectionError {
     },
     /// The prior is not an information matrix.
     #[error("the prior is refused: {0}")]
-    Prior(#[source] InformationError),
+    Prior(InformationError),
     /// The weight of a variance is zero or not finite.
     #[error("the weight of the variance is zero or not finite; nothing can be made small by it")]
     Weight,

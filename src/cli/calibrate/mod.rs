@@ -13,13 +13,14 @@ use fit::{fit, other_lens, unknown_camera};
 use parameters::ParameterArguments;
 use report::Report;
 
+use super::by_name;
 use super::failure::Failure;
+use super::interrupt::writing;
 use super::screen::Screen;
 use super::verdict::Verdict;
-use super::{WRITING, by_name};
 use crate::camera::{Camera, Lens};
 use crate::formats::{CameraFormat, Detections, Stated, read_detections_file};
-use crate::plan::write_together;
+use crate::plan::{probe, write_together};
 use crate::problem::{Accuracy, Problem};
 use crate::target::Board;
 
@@ -95,6 +96,7 @@ pub(super) fn run(arguments: &CalibrateArguments, screen: &mut Screen) -> Result
     };
     let model = arguments.parameters.model(&nominal, &estimated, is_known)?;
     let formats = formats(arguments.camera_format, &nominal)?;
+    probe(&arguments.output)?;
     let bar = screen.progress("calibrating", 1);
     let calibrated = fit(observations, &model, arguments.loss);
     let other = other_lens(observations, nominal.lens());
@@ -122,9 +124,7 @@ pub(super) fn run(arguments: &CalibrateArguments, screen: &mut Screen) -> Result
     // Camera files beside an older calibration are of that.
     let is_ours = arguments.output.join("calibration.json").exists();
     let stale: Vec<&str> = CameraFormat::ALL.iter().filter(|_| is_ours).map(|format| format.file_name()).collect();
-    let writing = WRITING.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    write_together(&arguments.output, &files, &stale)?;
-    drop(writing);
+    writing(|| write_together(&arguments.output, &files, &stale))?;
     screen.document(&document.to_string())?;
     let written: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
     let (folder, written) = (arguments.output.display(), written.join(", "));
