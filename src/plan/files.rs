@@ -51,7 +51,8 @@ pub fn write_together(
     stale: &[&str],
 ) -> Result<(), FileError> {
     let is_left = |name: &&&str| {
-        files.iter().all(|(written, _)| written.as_ref() != Path::new(name)) && folder.join(name).symlink_metadata().is_ok()
+        files.iter().all(|(written, _)| written.as_ref() != Path::new(name))
+            && folder.join(name).symlink_metadata().is_ok()
     };
     let stale: Vec<&str> = stale.iter().filter(is_left).copied().collect();
     Held::new(folder)?.write(files, &stale)

@@ -20,8 +20,8 @@ mod reach;
 mod recall;
 mod refine;
 mod rehearsal;
-mod retaken;
 mod results;
+mod retaken;
 mod survey;
 mod verify;
 
