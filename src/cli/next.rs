@@ -14,7 +14,7 @@ use super::screen::{Screen, short, table};
 use super::verdict::Verdict;
 use crate::calibration::{CalibrationSettings, calibrate};
 use crate::formats::{Stated, read_detections_file};
-use crate::plan::{Proposal, Wish, next, write_together};
+use crate::plan::{Proposal, Wish, add_results, next, probe};
 
 /// Nine of ten map errors are below this multiple of the expected RMS, as long as linearisation holds: 1.645, or less.
 const MORE_THAN_EXPECTED: f64 = 2.0;
@@ -60,9 +60,16 @@ impl NextArguments {
     }
 }
 
+/// What is written beside the plan; what was there before is of no account.
+const FILES: [&str; 2] = ["next.json", "next.csv"];
+
 pub(super) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<Verdict, Failure> {
     let wish = arguments.wish()?;
-    let Planned { plan, problem, .. } = Planned::read(&arguments.plan, arguments.problem.as_deref())?;
+    let planned = Planned::open(&arguments.plan, arguments.problem.as_deref())?;
+    planned.among_its_own(&arguments.plan, &FILES)?;
+    let Planned { plan, problem, text, .. } = planned;
+    let folder = arguments.plan.parent().unwrap_or(Path::new(""));
+    probe(folder)?;
     let path = &arguments.observations;
     let stated = Stated {
         board: Some(problem.target.board),
@@ -114,10 +121,10 @@ pub(super) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<Verd
         "poses": proposal.poses,
         "repeats": repeats,
     });
-    let folder = arguments.plan.parent().unwrap_or(Path::new(""));
     let table_of_poses = proposal.to_csv(&problem).map_err(|error| Failure::Table(error.to_string()))?;
-    let files = [("next.json", format!("{document:#}\n").into_bytes()), ("next.csv", table_of_poses)];
-    writing(|| write_together(folder, &files, &[]))?;
+    let [document_name, table_name] = FILES;
+    let files = [(table_name, table_of_poses), (document_name, format!("{document:#}\n").into_bytes())];
+    writing(|| add_results(&arguments.plan, text.as_bytes(), None, &files))?;
     screen.document(&document.to_string())?;
     let rows: Vec<Vec<String>> =
         (0..names.len()).map(|i| vec![names[i].to_owned(), short(θ[i]), short(σ[i])]).collect();

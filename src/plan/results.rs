@@ -22,8 +22,15 @@ pub const PLAN_FILE: &str = "plan.json";
 pub const RUN_FILE: &str = "run.json";
 
 /// Files beside a plan that not every run writes; those of one plan must not stay beside another.
-pub const OPTIONAL_FILES: [&str; 5] =
-    ["verification.json", "candidates.csv", "candidates.parquet", "polished.json", "polished.csv"];
+pub const OPTIONAL_FILES: [&str; 7] = [
+    "verification.json",
+    "candidates.csv",
+    "candidates.parquet",
+    "polished.json",
+    "polished.csv",
+    "next.json",
+    "next.csv",
+];
 
 /// How the files came about, key by key as in `run.json`: what differs from run to run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
