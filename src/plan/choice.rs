@@ -412,7 +412,9 @@ impl<'a> Chooser<'a> {
         }
         let instance = self.instance(choice.selected.len())?;
         match self.explain(instance.unobservable(&choice.selected)) {
-            PlanError::Unobservable { count, combination, .. } => Err(PlanError::HardlyObservable { count, combination }),
+            PlanError::Unobservable { count, combination, .. } => {
+                Err(PlanError::HardlyObservable { count, combination })
+            }
             other => Err(other),
         }
     }

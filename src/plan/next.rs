@@ -49,8 +49,7 @@ impl Proposal {
     /// # Errors
     /// Never in practice: the writer writes to memory.
     pub fn to_csv(&self, problem: &Problem) -> Result<Vec<u8>, csv::Error> {
-        let joints: Vec<String> = problem.robot.chain.joints.iter().map(|joint| joint.name.clone()).collect();
-        poses_csv(&joints, &self.poses)
+        poses_csv(&problem.robot.chain.joints, &self.poses)
     }
 }
 
