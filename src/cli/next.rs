@@ -65,8 +65,7 @@ const FILES: [&str; 2] = ["next.json", "next.csv"];
 
 pub(super) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<Verdict, Failure> {
     let wish = arguments.wish()?;
-    let planned = Planned::open(&arguments.plan, arguments.problem.as_deref())?;
-    planned.among_its_own(&arguments.plan, &FILES)?;
+    let planned = Planned::read_to_add(&arguments.plan, arguments.problem.as_deref(), &FILES)?;
     let Planned { plan, problem, text, .. } = planned;
     let folder = arguments.plan.parent().unwrap_or(Path::new(""));
     probe(folder)?;

@@ -31,8 +31,7 @@ pub(super) fn run(arguments: &PolishArguments, screen: &mut Screen) -> Result<()
     if arguments.cycles == 0 {
         return Err(Failure::Usage("--cycles must be at least 1".into()));
     }
-    let planned = Planned::open(&arguments.plan, arguments.problem.as_deref())?;
-    planned.among_its_own(&arguments.plan, &FILES)?;
+    let planned = Planned::read_to_add(&arguments.plan, arguments.problem.as_deref(), &FILES)?;
     let folder = arguments.plan.parent().unwrap_or(Path::new(""));
     probe(folder)?;
     let survey = planned.survey(screen)?;
