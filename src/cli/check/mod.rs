@@ -1,5 +1,6 @@
 //! `calipose check`.
 
+mod lens;
 mod sight;
 mod tested;
 
@@ -15,6 +16,7 @@ use crate::plan::CollisionDocument;
 use crate::problem::Problem;
 use crate::sweep::{AxisRule, JointSpace};
 use crate::target::AxisCase;
+use lens::{lens, lens_text};
 use sight::{sight, sight_text};
 use tested::{center_of_mass, self_collision, tests_text};
 
@@ -75,6 +77,7 @@ pub(super) fn run(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
             "estimated_seconds": seconds,
             "estimated_memory_mb": megabytes,
             "camera": sight(&problem),
+            "lens": lens(&problem.camera),
             "collision": CollisionDocument::new(&problem, checks.collision().links()),
             "self_collision": self_collision(&problem, &checks),
             "mass_kg": center_of_mass(&problem).map(|center| center.mass),
@@ -82,12 +85,13 @@ pub(super) fn run(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
         .to_string(),
     )?;
     screen.text(&format!(
-        "{}: valid.\n{} joints, {space_text}.\n{}\n{}About {} of them {} (from {} tried).\n`calipose plan` would \
+        "{}: valid.\n{} joints, {space_text}.\n{}\n{}\n{}About {} of them {} (from {} tried).\n`calipose plan` would \
          choose {} poses by `{}` for criterion `{}`, estimating {}, and write to {}.\nIt would take about {} s and {} MB on \
          this machine.",
         problem.name,
         robot.chain.dof(),
         sight_text(&problem),
+        lens_text(&problem.camera),
         tests_text(&problem, &checks),
         grouped(seen),
         what_views_do(&problem),
