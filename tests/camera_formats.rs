@@ -8,8 +8,10 @@
 )]
 
 use std::path::Path;
+use std::process::Command;
 
 use calipose::camera::{Camera, Lens};
+use calipose::feasibility::{Rejection, feasible_views};
 use calipose::formats::{CameraFormat, ReadError, StatedCamera};
 use calipose::problem::{Problem, STARTER};
 use miette::{GraphicalReportHandler, GraphicalTheme};
@@ -320,11 +322,15 @@ fn files_cut_short_give_an_answer() {
     }
 }
 
+/// The problem with another camera.
+fn with_camera(problem: &str, camera_section: &str) -> String {
+    let (start, end) = (problem.find("[camera]").unwrap(), problem.find("[target]").unwrap());
+    format!("{}{camera_section}\n{}", &problem[..start], &problem[end..])
+}
+
 /// The starter with its camera in a file beside it.
 fn problem_with(folder: &Path, camera_section: &str) -> Result<Problem, String> {
-    let start = STARTER.find("[camera]").unwrap();
-    let end = STARTER.find("[target]").unwrap();
-    let text = format!("{}{camera_section}\n{}", &STARTER[..start], &STARTER[end..]);
+    let text = with_camera(STARTER, camera_section);
     Problem::parse(&text, &folder.join("arm.toml")).map_err(|error| {
         let handler = GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor())
             .with_width(110)
@@ -397,6 +403,19 @@ fn lenses_whose_image_ends_inside_the_picture_are_cameras() {
     let stated = "[camera]\nwidth_px = 960\nheight_px = 640\nfx_px = 304.3\nfy_px = 324.8\n[camera.distortion]\nmodel = \
                   \"kannala-brandt\"\nk1 = -0.0416\nk2 = 0.00315\nk3 = -0.0024\n";
     assert!((coverage(folder.path(), stated) - share).abs() < 0.02);
+    // The program says so.
+    std::fs::write(folder.path().join("stated.toml"), with_camera(&STARTER.replace("200_000", "300"), stated)).unwrap();
+    let check = Command::new(env!("CARGO_BIN_EXE_calipose"))
+        .arg("check")
+        .arg(folder.path().join("stated.toml"))
+        .output()
+        .unwrap();
+    let told = String::from_utf8(check.stdout).unwrap();
+    let percent = format!(
+        "Lens: kannala-brandt, 960 x 640 px, and reaches {:.0} % of the picture, up to",
+        100.0 * coverage(folder.path(), stated)
+    );
+    assert!(told.contains(&percent), "{told}");
     let barrel = "[camera]\nwidth_px = 1280\nheight_px = 960\nfx_px = 700\n[camera.distortion]\nmodel = \"brown-conrady\"\nk1 = -0.3\n";
     let share = coverage(folder.path(), barrel);
     assert!((0.6..0.8).contains(&share), "{share}");
@@ -425,4 +444,45 @@ fn problem_files_with_a_wrong_camera_file_say_so() {
     ];
     let drawings = sections.map(|section| problem_with(folder.path(), section).unwrap_err());
     insta::assert_snapshot!(drawings.join("\n"));
+}
+
+#[test]
+fn no_view_has_corners_beyond_the_image_circle() {
+    // Folds back at √(1 / 1.2) = 52.3°, whose circle has a radius of two thirds of that: 365 of the 480 px to the nearest border.
+    let section = "[camera]\nwidth_px = 1280\nheight_px = 960\nfx_px = 600\n[camera.distortion]\nmodel = \"kannala-brandt\"\nk1 = \
+                   -0.4\n";
+    let text = with_camera(&STARTER.replace("200_000", "20_000"), section);
+    let problem = Problem::parse(&text, Path::new("arm.toml")).unwrap();
+    let fold = (1.0f64 / 1.2).sqrt();
+    assert!((problem.camera.fold().unwrap() - fold).abs() < 1e-9);
+    let all: Vec<usize> = (0..problem.space.len()).collect();
+    let (views, rejected) = feasible_views(&problem.checks(), &problem.space, &all);
+    assert!(views.len() > 100 && rejected[Rejection::BeyondLens as usize] > 100, "{} {rejected:?}", views.len());
+    for view in &views {
+        for corner in problem.target.board.corners() {
+            let p = view.X_CT * corner;
+            assert!(p.x.hypot(p.y).atan2(p.z) <= fold);
+            let pixel = problem.camera.project(&p).unwrap();
+            assert!((pixel.x - 639.5).hypot(pixel.y - 479.5) <= 600.0 * fold * 2.0 / 3.0 + 1e-6);
+        }
+    }
+}
+
+#[test]
+fn a_circular_fisheye_that_is_calibrated_here_is_a_camera_here() {
+    let folder = tempfile::tempdir().unwrap();
+    let vnl = std::fs::canonicalize("tests/data/circular-fisheye.vnl").unwrap();
+    let calibrate = Command::new(env!("CARGO_BIN_EXE_calipose"))
+        .current_dir(&folder)
+        .args(["calibrate", "--board", "7x6", "--square-mm", "25", "--image", "1280x1024", "--lens", "kannala-brandt"])
+        .arg(vnl)
+        .output()
+        .unwrap();
+    let told = String::from_utf8_lossy(&calibrate.stdout);
+    assert!(told.contains("RMS 0.3088"), "{told} {}", String::from_utf8_lossy(&calibrate.stderr));
+    for name in ["camera_info.yaml", "camchain.yaml", "camera.opencv.yaml"] {
+        let section = format!("[camera]\nfile = \"calibration/{name}\"\n");
+        let problem = problem_with(folder.path(), &section).unwrap();
+        assert!((0.2..0.9).contains(&problem.camera.coverage()), "{}", problem.camera.coverage());
+    }
 }

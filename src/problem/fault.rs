@@ -70,6 +70,13 @@ pub enum Reason {
         /// The numbers that are.
         allowed: Allowed,
     },
+    /// A standard deviation known beforehand is so small that there is nothing to estimate.
+    KnownExactly {
+        /// The standard deviation.
+        value: f64,
+        /// The least that is.
+        least: f64,
+    },
     /// A range ends before it begins.
     Reversed {
         /// Its first number.
@@ -279,6 +286,9 @@ impl Fault {
                 format!("`{key}` is left out, and its default is {}", Number(*value))
             }
             Reason::OutOfRange { value, .. } => format!("`{key}` is {}", Number(*value)),
+            Reason::KnownExactly { value, .. } => {
+                format!("`{key}` is {}: the intrinsic is known, there is nothing to estimate", Number(*value))
+            }
             Reason::Reversed { min, max } => format!("`{key}` runs from {} down to {}", Number(*min), Number(*max)),
             Reason::BoardBeyondZone { zone, .. } => {
                 format!("`{key}` is {}, less than the board's own side", Number(*zone))
@@ -338,6 +348,7 @@ impl Fault {
                 format!("give `{}` here: {allowed}", self.last_key())
             }
             Reason::OutOfRange { allowed, .. } => format!("must be {allowed}"),
+            Reason::KnownExactly { least, .. } => format!("must be at least {least:.1e}"),
             Reason::Reversed { .. } => "must be [min, max]".into(),
             Reason::BoardBeyondZone { board, .. } => format!("must be at least {}", Number(*board)),
             Reason::Length { expected, per, .. } => format!("must have {expected}, one for each {per}"),
@@ -422,6 +433,9 @@ impl Fault {
                                                      (`sample = 200000`); `axis = \"zone\"` holds only the \
                                                      configurations that point at the zone"
                 .into(),
+            Reason::KnownExactly { .. } => {
+                "leave it out of `estimate.intrinsics`; what is left out is taken as known".into()
+            }
             Reason::NoShape { allowed } => format!("give one of {}", quoted(allowed)),
             Reason::Ambiguous { .. } => "rename the joint".into(),
             Reason::NoMasses => "give them in `[[robot.masses]]`".into(),

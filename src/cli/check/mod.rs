@@ -1,5 +1,6 @@
 //! `calipose check`.
 
+mod lens;
 mod notes;
 mod sight;
 mod tested;
@@ -16,6 +17,7 @@ use crate::plan::{CollisionDocument, Diagnosis, Forecast, Obstacle, diagnose, fo
 use crate::problem::{Accuracy, Problem};
 use crate::selection::Method;
 use crate::sweep::JointSpace;
+use lens::{lens, lens_text};
 use notes::{notes, notes_text};
 use sight::{sight, sight_text};
 use tested::{center_of_mass, self_collision, tests_text};
@@ -55,6 +57,7 @@ pub(super) fn run(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
             "memory_warning": memory,
             "diagnosis": diagnosis.as_ref().map(diagnosis_document),
             "camera": sight(&problem),
+            "lens": lens(&problem.camera),
             "collision": CollisionDocument::new(&problem, checks.collision().links()),
             "self_collision": self_collision(&problem, &checks),
             "mass_kg": center_of_mass(&problem).map(|center| center.mass),
@@ -63,12 +66,13 @@ pub(super) fn run(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
         .to_string(),
     )?;
     let mut text = format!(
-        "{}: valid.\n{}{} joints, {space_text}.\n{}\n{}About {} of them {} (from {} tried).\n`calipose plan` would choose {}, \
+        "{}: valid.\n{}{} joints, {space_text}.\n{}\n{}\n{}About {} of them {} (from {} tried).\n`calipose plan` would choose {}, \
          estimating {}, and write to {}.\nIt would take about {}{} and {} MB on this machine.",
         problem.name,
         notes_text(&problem),
         robot.chain.dof(),
         sight_text(&problem),
+        lens_text(&problem.camera),
         tests_text(&problem, &checks),
         grouped(views),
         what_views_do(&problem),

@@ -28,6 +28,8 @@ use crate::spatial::Pose;
 const LENGTH: Allowed = Allowed::between(-1e6, 1e6);
 /// Sizes and distances in mm.
 const SIZE: Allowed = Allowed::positive(1e6);
+/// Standard deviations of a corner in px: from that of no detector to the size of a picture.
+const NOISE: Allowed = Allowed::between(1e-6, 1e3);
 /// Angles in degrees: ten turns.
 const ANGLE: Allowed = Allowed::between(-3600.0, 3600.0);
 
@@ -58,13 +60,13 @@ pub(super) fn resolve(
     let clearance = check.collision(&file.collision, robot.as_mut().map(|robot| &mut robot.tree));
     let stability = check.stability(file.stability.as_ref(), robot.as_ref().map(|robot| &robot.tree));
     let visibility = check.visibility(&file.visibility, u64::from(file.target.columns) * u64::from(file.target.rows));
-    let noise = check.number(&KeyPath::section("noise").key("sigma_px"), file.noise.sigma_px, Allowed::positive(1e3));
+    let noise = check.number(&KeyPath::section("noise").key("sigma_px"), file.noise.sigma_px, NOISE);
     // Without its camera file the names of the lens's intrinsics are not known.
     let lens = camera.as_ref().map(Camera::lens).or_else(|| file.camera.stated_lens());
     let estimated = lens.map(|lens| check.estimated(&file.estimate, lens)).unwrap_or_default();
     let names: Vec<&str> =
         lens.map(|lens| estimated.iter().map(|&i| lens.parameter_names()[i]).collect()).unwrap_or_default();
-    let prior_sigma = check.prior_sigma(&file.estimate, &names);
+    let prior_sigma = check.prior_sigma(&file.estimate, camera.as_ref(), &estimated, &names, noise);
     let selection = check.selection(&file.selection, &names);
     let joints = robot.as_ref().map(|robot| robot.chain.joints.as_slice()).unwrap_or_default();
     let constraints = check.constraints(&file.constraints, joints);

@@ -10,14 +10,21 @@ use super::super::schema;
 use super::super::shape::{Numbers, Range, TextOrTable};
 use super::super::{Accuracy, JointRegion, PoseConstraints, PoseGroup, SelectionSettings};
 use super::{Check, owned, si};
-use crate::information::Criterion;
+use crate::camera::Camera;
+use crate::information::{Criterion, pixel_units};
 use crate::robot::{Joint, JointKind, Limits};
 
 /// Key of the map error among the accuracies.
 const MAP_ERROR: &str = "map_error_px";
 
-/// Standard deviations, wished for or known.
-const SIGMA: Allowed = Allowed::positive(1e9);
+/// Standard deviations wished for: far from any that can be had, but such that their squares are numbers.
+const WISHED: Allowed = Allowed::between(1e-9, 1e9);
+
+/// Greatest standard deviation known beforehand.
+const VAGUEST: f64 = 1e9;
+
+/// What moves the image by so little, in units of the noise of a corner, is known, not estimated.
+const KNOWN: f64 = 1e-4;
 
 impl Check<'_, '_> {
     pub(super) fn selection(&mut self, selection: &choosing::Selection, estimated: &[&str]) -> SelectionSettings {
@@ -73,7 +80,7 @@ impl Check<'_, '_> {
         let mut accuracies = Vec::new();
         for (name, &sigma) in wished {
             let key = path.key(name);
-            let sigma = self.number(&key, sigma, SIGMA);
+            let sigma = self.number(&key, sigma, WISHED);
             if name == MAP_ERROR {
                 accuracies.push((Accuracy::MapError, sigma));
             } else if let Some(j) = estimated.iter().position(|known| known == name) {
@@ -86,15 +93,32 @@ impl Check<'_, '_> {
         accuracies
     }
 
-    pub(super) fn prior_sigma(&mut self, estimate: &schema::Estimate, estimated: &[&str]) -> Vec<(usize, f64)> {
+    /// `camera` is none where something is wrong with it.
+    pub(super) fn prior_sigma(
+        &mut self,
+        estimate: &schema::Estimate,
+        camera: Option<&Camera>,
+        estimated: &[usize],
+        names: &[&str],
+        noise: f64,
+    ) -> Vec<(usize, f64)> {
         let path = KeyPath::section("estimate").key("prior_sigma");
         let mut known = Vec::new();
         for (name, &sigma) in &estimate.prior_sigma {
             let key = path.key(name);
-            match estimated.iter().position(|estimated| estimated == name) {
-                Some(j) => known.push((j, self.number(&key, sigma, SIGMA))),
-                None => self.fault(&key, Reason::UnknownName { name: name.clone(), allowed: owned(estimated) }),
+            let Some(j) = names.iter().position(|estimated| estimated == name) else {
+                self.fault(&key, Reason::UnknownName { name: name.clone(), allowed: owned(names) });
+                continue;
+            };
+            // An intrinsic that moves no pixel has no unit.
+            let unit = camera.map(|camera| pixel_units(camera, &estimated[j..=j])[0]).filter(|unit| unit.is_finite());
+            let least = unit.map_or(f64::MIN_POSITIVE, |unit| KNOWN * noise * unit);
+            if sigma < least && sigma > 0.0 {
+                self.fault(&key, Reason::KnownExactly { value: sigma, least });
+            } else {
+                self.number(&key, sigma, Allowed::positive(VAGUEST));
             }
+            known.push((j, sigma));
         }
         known
     }
