@@ -8,7 +8,7 @@ use serde_json::json;
 use super::failure::Failure;
 use super::planned::Planned;
 use super::screen::{Screen, grouped, short};
-use crate::plan::certify;
+use crate::plan::{CertifyError, Unchecked, certify};
 
 #[derive(Debug, Args)]
 pub(super) struct CertifyArguments {
@@ -20,11 +20,14 @@ pub(super) struct CertifyArguments {
 }
 
 pub(super) fn run(arguments: &CertifyArguments, screen: &mut Screen) -> Result<(), Failure> {
-    let planned = Planned::read(&arguments.plan, arguments.problem.as_deref())?;
+    let planned = Planned::open(&arguments.plan, arguments.problem.as_deref())?;
+    let refused = |error: CertifyError| Failure::Certify { path: arguments.plan.clone(), error: Box::new(error) };
+    planned.plan.fit(&planned.problem).map_err(|error| refused(error.into()))?;
+    let planned = planned.asked();
     let survey = planned.survey(screen)?;
-    let Planned { plan, problem } = &planned;
-    let confirmed = certify(plan, problem, &survey)
-        .map_err(|error| Failure::Certify { path: arguments.plan.clone(), error: Box::new(error) })?;
+    let Planned { plan, problem, text } = &planned;
+    let mut confirmed = certify(plan, problem, &survey).map_err(refused)?;
+    confirmed.unchecked.extend(Unchecked::unknown(text, plan));
     screen.document(
         &json!({
             "format": "calipose.certified",
@@ -37,12 +40,19 @@ pub(super) fn run(arguments: &CertifyArguments, screen: &mut Screen) -> Result<(
             "bound": confirmed.bound,
             "efficiency": confirmed.efficiency,
             "least_count": confirmed.least,
+            "tolerance": confirmed.tolerance,
+            "not_checked": confirmed
+                .unchecked
+                .iter()
+                .map(|unchecked| json!({ "field": unchecked.field, "reason": unchecked.reason }))
+                .collect::<Vec<_>>(),
         })
         .to_string(),
     )?;
     let mut text = format!(
         "{}: the certificate holds. Criterion `{}`, {} poses: value {}, bound {} over all {} candidates, certified efficiency \
-         {:.4}.\nPoses, value, predicted accuracy and bound were recomputed from the problem file and the plan's matrix.",
+         {:.4}.\nEvery field of the plan was recomputed from the problem file and the plan's matrix, and agrees to {:.0e}, \
+         but for those below.",
         plan.problem.name,
         plan.criterion,
         plan.count,
@@ -50,6 +60,7 @@ pub(super) fn run(arguments: &CertifyArguments, screen: &mut Screen) -> Result<(
         short(confirmed.bound),
         grouped(confirmed.candidates),
         confirmed.efficiency,
+        confirmed.tolerance,
     );
     if let Some(fewest) = &plan.fewest {
         text += &match (confirmed.least, &fewest.refutation) {
@@ -62,6 +73,10 @@ pub(super) fn run(arguments: &CertifyArguments, screen: &mut Screen) -> Result<(
     }
     if plan.search.is_some() {
         text += "\nThe plan claims more than its matrix: a bound found by search, which `calipose plan` repeats.";
+    }
+    for same_reason in confirmed.unchecked.chunk_by(|a, b| a.reason == b.reason) {
+        let fields: Vec<String> = same_reason.iter().map(|unchecked| format!("`{}`", unchecked.field)).collect();
+        text += &format!("\nNot checked: {}: {}.", fields.join(", "), same_reason[0].reason);
     }
     screen.text(&text)
 }

@@ -62,7 +62,7 @@ impl NextArguments {
 
 pub(super) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<Verdict, Failure> {
     let wish = arguments.wish()?;
-    let Planned { plan, problem } = Planned::read(&arguments.plan, arguments.problem.as_deref())?;
+    let Planned { plan, problem, .. } = Planned::read(&arguments.plan, arguments.problem.as_deref())?;
     let path = &arguments.observations;
     let stated = Stated {
         board: Some(problem.target.board),

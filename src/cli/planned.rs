@@ -2,8 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
-
 use super::failure::Failure;
 use super::screen::Screen;
 use crate::plan::{Chooser, Plan, RecallError, Survey, candidates};
@@ -13,11 +11,22 @@ use crate::problem::Problem;
 pub(super) struct Planned {
     pub(super) plan: Plan,
     pub(super) problem: Problem,
+    /// The plan's text.
+    pub(super) text: String,
 }
 
 impl Planned {
-    /// Reads the plan at `path` and its problem: `problem` if given, else the file that `run.json` beside the plan names.
+    /// Reads the plan at `path` and its problem: `problem` if given, else the file that `run.json` beside the plan names. The
+    /// plan must be of the problem's robot and camera.
     pub(super) fn read(path: &Path, problem: Option<&Path>) -> Result<Self, Failure> {
+        let planned = Self::open(path, problem)?;
+        let fitted = planned.plan.fit(&planned.problem);
+        fitted.map_err(|error| Failure::PlanFile { path: path.to_owned(), reason: error.to_string() })?;
+        Ok(planned.asked())
+    }
+
+    /// As [`Planned::read`], but whether the plan fits its problem is left open.
+    pub(super) fn open(path: &Path, problem: Option<&Path>) -> Result<Self, Failure> {
         let refused = |reason: String| Failure::PlanFile { path: path.to_owned(), reason };
         let text = std::fs::read_to_string(path).map_err(|error| refused(error.to_string()))?;
         let plan = Plan::from_json(&text).map_err(|error| refused(error.to_string()))?;
@@ -25,44 +34,26 @@ impl Planned {
             .map(Path::to_owned)
             .or_else(|| named_by_run(path))
             .ok_or_else(|| refused("no run.json beside it tells the problem file; name it with --problem".into()))?;
-        let mut problem = Problem::read(&problem_path)?;
+        let problem = Problem::read(&problem_path)?;
         if problem.sha256 != plan.problem.sha256 {
             return Err(refused(format!(
                 "it was made from another version of {}; make a new plan, or name the old file with --problem",
                 problem_path.display()
             )));
         }
-        // The hash is of the problem file alone; a camera file that it names may have changed.
-        let nominal: Vec<f64> = problem.estimated.iter().map(|&i| problem.camera.intrinsics()[i]).collect();
-        if plan.intrinsics.nominal != nominal {
-            return Err(refused("it was made for another nominal camera; make a new plan".into()));
+        Ok(Self { plan, problem, text })
+    }
+
+    /// The problem as it was when the plan was made: the command line may have asked for something else than the file, and
+    /// candidates are refined for what was asked.
+    pub(super) fn asked(mut self) -> Self {
+        let selection = &mut self.problem.selection;
+        if let Some(criteria) = self.plan.criteria() {
+            selection.criteria = criteria;
+            selection.count = self.plan.count;
         }
-        let dof = problem.robot.chain.dof();
-        if plan.poses.is_empty() || plan.poses.iter().any(|pose| pose.joints_rad.len() != dof) {
-            return Err(refused(format!("its poses do not have the robot's {dof} joint values")));
-        }
-        // Nor is it of a robot's description: every pose must still be where the plan has it.
-        let moved = plan.poses.iter().any(|pose| {
-            let X_BC = problem.robot.camera_pose(&pose.joints_rad);
-            let [x, y, z] = pose.camera_in_base.position_m;
-            let [i, j, k, w] = pose.camera_in_base.quaternion_xyzw;
-            let planned = UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k));
-            !((X_BC.translation.vector - Vector3::new(x, y, z)).norm() < 1e-9
-                && X_BC.rotation.angle_to(&planned) < 1e-7)
-        });
-        if moved {
-            return Err(refused(
-                "its joint values lead elsewhere than it says: the robot was changed, or the plan; make a new plan"
-                    .into(),
-            ));
-        }
-        // The command line may have asked for something else than the file; candidates are refined for what was asked.
-        if let Some(criteria) = plan.criteria() {
-            problem.selection.criteria = criteria;
-            problem.selection.count = plan.count;
-        }
-        problem.selection.seed = plan.seed;
-        Ok(Self { plan, problem })
+        selection.seed = self.plan.seed;
+        self
     }
 
     /// Surveys the problem anew.

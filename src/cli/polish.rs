@@ -38,7 +38,7 @@ pub(super) fn run(arguments: &PolishArguments, screen: &mut Screen) -> Result<()
         bar.tick();
     });
     bar.finish_and_clear();
-    let Planned { plan, problem } = &planned;
+    let Planned { plan, problem, .. } = &planned;
     let found = PolishedPlan::new(problem, &chooser, plan, &polished?);
 
     let table = found.to_csv().map_err(|error| Failure::Table(error.to_string()))?;

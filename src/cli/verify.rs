@@ -90,7 +90,7 @@ pub(super) fn run(arguments: &VerifyArguments, screen: &mut Screen) -> Result<Ve
         return Err(Failure::Usage("--trials must be at least 2".into()));
     }
     let disturbance = arguments.disturbance.disturbance()?;
-    let Planned { plan, problem } = Planned::read(&arguments.plan, arguments.problem.as_deref())?;
+    let Planned { plan, problem, .. } = Planned::read(&arguments.plan, arguments.problem.as_deref())?;
     let bar = screen.progress("calibrating", arguments.trials);
     let configurations: Vec<Vec<f64>> = plan.poses.iter().map(|pose| pose.joints_rad.clone()).collect();
     let verified = verify(&problem, &configurations, &disturbance, arguments.trials, arguments.seed, &|_| bar.inc(1));

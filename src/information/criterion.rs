@@ -44,10 +44,31 @@ impl Criterion {
         match shares {
             [(criterion, _)] => criterion.name().into(),
             several => {
-                let each: Vec<_> =
-                    several.iter().map(|(criterion, share)| format!("{share} {}", criterion.name())).collect();
+                let each: Vec<_> = several
+                    .iter()
+                    .map(|&(criterion, share)| format!("{} {}", short(share), criterion.name()))
+                    .collect();
                 each.join(" + ")
             }
         }
+    }
+}
+
+/// A share to four decimals, as many as there are; one that is smaller to one digit.
+fn short(share: f64) -> String {
+    if share < 1e-4 { format!("{share:.0e}") } else { ((share * 1e4).round() / 1e4).to_string() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_read_as_they_were_written() {
+        let described = |v: f64, d: f64| Criterion::describe(&[(Criterion::V, v), (Criterion::D, d)]);
+        assert_eq!(described(0.7 + f64::EPSILON, 0.3 - f64::EPSILON), "0.7 v + 0.3 d");
+        assert_eq!(described(2.0 / 3.0, 1.0 / 3.0), "0.6667 v + 0.3333 d");
+        assert_eq!(described(1.0 - 1e-6, 1e-6), "1 v + 1e-6 d");
+        assert_eq!(Criterion::describe(&[(Criterion::E, 1.0)]), "e");
     }
 }

@@ -30,7 +30,7 @@ impl Measurement<'_> {
     /// eliminated, p×p packed: the Schur complement `(AᵀA − AᵀB (BᵀB)⁻¹ BᵀA) / σ²` of the normal matrix, where A (2m×p)
     /// and B (2m×6) are the residual Jacobians by the intrinsics and by the pose.
     ///
-    /// `None` if a corner has no image.
+    /// `None` if a corner has no image or the corners do not determine the pose.
     pub fn information(&self, X_CT: &Pose, seen: &Corners) -> Option<Vec<f64>> {
         match seen {
             Corners::All => self.information_of(X_CT, self.corners.iter()),
@@ -39,8 +39,7 @@ impl Measurement<'_> {
     }
 
     fn information_of<'c>(&self, X_CT: &Pose, corners: impl Iterator<Item = &'c Point3<f64>>) -> Option<Vec<f64>> {
-        let mut normal = [0.0; packed_len(MOST_COLUMNS)];
-        let columns = POSE + self.estimated.len();
+        let mut elimination = Elimination::new(self.estimated.len());
         for corner in corners {
             // The pose is perturbed about the board's centre (see `spatial::perturb`).
             let arm = X_CT.rotation * corner.coords;
@@ -48,34 +47,26 @@ impl Measurement<'_> {
             let mut B = Matrix2x6::zeros();
             B.fixed_columns_mut::<3>(0).copy_from(&(-projection.by_point * skew(&arm)));
             B.fixed_columns_mut::<3>(3).copy_from(&projection.by_point);
-            let mut rows = [[0.0; MOST_COLUMNS]; 2];
-            for (r, row) in rows.iter_mut().enumerate() {
+            for r in 0..2 {
+                let mut row = [0.0; MOST_COLUMNS];
                 for j in 0..POSE {
                     row[j] = B[(r, j)];
                 }
                 for (j, &parameter) in self.estimated.iter().enumerate() {
                     row[POSE + j] = projection.by_intrinsics[(r, parameter)];
                 }
-            }
-            let [u, v] = &rows;
-            for i in 0..columns {
-                let (ui, vi) = (u[i], v[i]);
-                for (sum, (u, v)) in normal[packed_len(i)..=packed_len(i) + i].iter_mut().zip(u.iter().zip(v)) {
-                    *sum += ui * u + vi * v;
-                }
+                elimination.add(row);
             }
         }
-        eliminate_pose(&mut normal, columns)?;
         let scale = 1.0 / (self.noise * self.noise);
-        Some(
-            (POSE..columns)
-                .flat_map(|i| (POSE..=i).map(move |j| (i, j)))
-                .map(|(i, j)| normal[packed_len(i) + j] * scale)
-                .collect(),
-        )
+        let mut information = elimination.finish()?;
+        for entry in &mut information {
+            *entry *= scale;
+        }
+        Some(information)
     }
 
-    /// Information of many views, each from its `X_CT` and of the corners seen, in their order; `None` if a corner of one has no image.
+    /// Information of many views, each from its `X_CT` and of the corners seen, in their order; `None` as for one.
     pub fn information_set<'b>(
         &self,
         views: impl IntoParallelIterator<Item = (&'b Pose, &'b Corners), Iter: IndexedParallelIterator>,
@@ -86,23 +77,98 @@ impl Measurement<'_> {
     }
 }
 
-/// Eliminates the pose's six variables, the first of a packed symmetric matrix, by six steps of Cholesky's method, leaving
-/// the Schur complement in the rest. `None` if they are not determined.
-fn eliminate_pose(m: &mut [f64], order: usize) -> Option<()> {
-    let original: [f64; POSE] = std::array::from_fn(|k| m[packed_len(k) + k]);
-    for k in 0..POSE {
-        let pivot = m[packed_len(k) + k];
-        if pivot.is_nan() || pivot <= 8.0 * f64::EPSILON * original[k] {
-            return None;
+/// Rows that are eliminated together.
+const BLOCK: usize = 64;
+
+/// A pose's variable of which its column leaves no more than this share beside the others before it is not determined.
+const UNDETERMINED: f64 = 1e-12;
+
+/// The pose's six variables eliminated from the rows of [B A], by reflections: what B does not explain of A is left before
+/// anything is squared. A long lens sees a change of its principal point all but as a turn of the camera, and the
+/// difference of the squares, `AᵀA − AᵀB (BᵀB)⁻¹ BᵀA`, would lose twice the digits.
+struct Elimination {
+    columns: usize,
+    /// The six rows of `R` in `[B A] = Q R`, of the rows so far.
+    R: [[f64; MOST_COLUMNS]; POSE],
+    /// Rows that wait.
+    rows: Vec<[f64; MOST_COLUMNS]>,
+    /// `A⊥ᵀA⊥` of the rows done, p×p packed.
+    products: Vec<f64>,
+}
+
+impl Elimination {
+    fn new(p: usize) -> Self {
+        Self {
+            columns: POSE + p,
+            R: [[0.0; MOST_COLUMNS]; POSE],
+            rows: Vec::with_capacity(BLOCK),
+            products: vec![0.0; packed_len(p)],
         }
-        for i in k + 1..order {
-            let factor = m[packed_len(i) + k] / pivot;
-            for j in k + 1..=i {
-                m[packed_len(i) + j] -= factor * m[packed_len(j) + k];
+    }
+
+    fn add(&mut self, row: [f64; MOST_COLUMNS]) {
+        self.rows.push(row);
+        if self.rows.len() == BLOCK {
+            self.eliminate();
+        }
+    }
+
+    /// Takes the waiting rows in: a Householder reflection for each pose variable k, of row k of R and the waiting rows, clears
+    /// its column in these. What is left of their other columns is orthogonal to B.
+    fn eliminate(&mut self) {
+        let columns = self.columns;
+        for k in 0..POSE {
+            let pivot = self.R[k][k];
+            let norm = self.rows.iter().map(|row| row[k] * row[k]).fold(pivot * pivot, |sum, x| sum + x).sqrt();
+            if norm == 0.0 {
+                continue;
+            }
+            let top = pivot + norm.copysign(pivot);
+            let mut along = [0.0; MOST_COLUMNS];
+            for (along, entry) in along[k + 1..columns].iter_mut().zip(&self.R[k][k + 1..columns]) {
+                *along = top * entry;
+            }
+            for row in &self.rows {
+                let own = row[k];
+                for (along, entry) in along[k + 1..columns].iter_mut().zip(&row[k + 1..columns]) {
+                    *along += own * entry;
+                }
+            }
+            // 2 / vᵀv of the reflection's vector v.
+            let scale = 1.0 / (norm * (norm + pivot.abs()));
+            for along in &mut along[k + 1..columns] {
+                *along *= scale;
+            }
+            self.R[k][k] = -norm.copysign(pivot);
+            for (entry, along) in self.R[k][k + 1..columns].iter_mut().zip(&along[k + 1..columns]) {
+                *entry -= top * along;
+            }
+            for row in &mut self.rows {
+                let own = row[k];
+                for (entry, along) in row[k + 1..columns].iter_mut().zip(&along[k + 1..columns]) {
+                    *entry -= own * along;
+                }
+            }
+        }
+        for row in self.rows.drain(..) {
+            let left = &row[POSE..columns];
+            for (i, own) in left.iter().enumerate() {
+                for (sum, other) in self.products[packed_len(i)..=packed_len(i) + i].iter_mut().zip(left) {
+                    *sum += own * other;
+                }
             }
         }
     }
-    Some(())
+
+    /// `A⊥ᵀA⊥`, packed; `None` if the pose is not determined.
+    fn finish(mut self) -> Option<Vec<f64>> {
+        self.eliminate();
+        let determined = |k: usize| {
+            let column = (0..=k).map(|i| self.R[i][k] * self.R[i][k]).sum::<f64>().sqrt();
+            self.R[k][k].abs() > UNDETERMINED * column
+        };
+        (0..POSE).all(determined).then_some(self.products)
+    }
 }
 
 #[cfg(test)]
@@ -156,6 +222,41 @@ mod tests {
             for j in 0..estimated.len() {
                 let scale = (definition[(i, i)] * definition[(j, j)]).sqrt();
                 assert!((M[(i, j)] - definition[(i, j)]).abs() < 1e-5 * scale, "{i} {j}");
+            }
+        }
+    }
+
+    /// A lens so long that the squares of what the pose explains outweigh the information by eight digits.
+    #[test]
+    fn a_long_lens_keeps_its_digits() {
+        let θ = [20_000.0, 20_000.0, 640.0, 360.0, -0.2, 0.05, 1e-3, -1e-3, 0.01];
+        let camera = Camera::new(Lens::BrownConrady, 1280, 720, &θ).unwrap();
+        let board = Board { columns: 8, rows: 6, square: 0.003 };
+        let corners: Vec<_> = board.corners().collect();
+        let estimated = [0, 1, 2, 3, 4, 5, 6, 7, 8];
+        let measurement = Measurement { camera: &camera, corners: &corners, noise: 0.3, estimated: &estimated };
+        let X_CT = Pose::new(Vector3::new(0.001, -0.002, 0.8), Vector3::new(2.7, 0.3, -0.4));
+        let mut J = DMatrix::zeros(2 * corners.len(), POSE + 9);
+        for (c, corner) in corners.iter().enumerate() {
+            let projection = camera.project_with_derivatives(&(X_CT * corner)).unwrap();
+            let turned = -projection.by_point * skew(&(X_CT.rotation * corner.coords));
+            J.view_mut((2 * c, 0), (2, 3)).copy_from(&turned);
+            J.view_mut((2 * c, 3), (2, 3)).copy_from(&projection.by_point);
+            for j in 0..9 {
+                J.view_mut((2 * c, POSE + j), (2, 1)).copy_from(&projection.by_intrinsics.column(j));
+            }
+        }
+        let R = J.clone().qr().r();
+        let root = R.view((POSE, POSE), (9, 9)).into_owned() / 0.3;
+        let expected = root.transpose() * &root;
+        let outweighed =
+            (0..9).map(|j| J.column(POSE + j).norm_squared() / (0.09 * expected[(j, j)])).fold(0.0, f64::max);
+        assert!(outweighed > 1e8, "{outweighed:e}");
+        let M = unpack(&measurement.information(&X_CT, &Corners::All).unwrap(), 9);
+        for i in 0..9 {
+            for j in 0..9 {
+                let scale = (expected[(i, i)] * expected[(j, j)]).sqrt();
+                assert!((M[(i, j)] - expected[(i, j)]).abs() < 1e-9 * scale, "{i} {j}");
             }
         }
     }

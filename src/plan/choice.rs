@@ -258,11 +258,6 @@ impl<'a> Chooser<'a> {
         self.objective.natural(log_value)
     }
 
-    /// log Φ of a value in the criterion's own unit.
-    pub(super) fn log_of(&self, natural: f64) -> f64 {
-        self.objective.log_of(natural)
-    }
-
     /// The certificate for choices of `count` poses, and the best choice found on the way to it.
     ///
     /// # Errors

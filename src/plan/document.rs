@@ -8,10 +8,11 @@ use super::choice::{Chooser, PlanError};
 use super::collision::CollisionDocument;
 use super::make::Made;
 use super::proof::{CertificateDocument, FewestDocument, SearchDocument};
+use super::survey::Survey;
 use crate::feasibility::{Rejection, View};
 use crate::problem::Problem;
 use crate::robot::{Chain, Joint, JointKind};
-use crate::selection::{Method, SearchEnd};
+use crate::selection::Method;
 use crate::target::Corners;
 
 /// Value of the key `format`.
@@ -117,6 +118,19 @@ pub struct Candidates {
     pub rejected: std::collections::BTreeMap<String, usize>,
 }
 
+impl Candidates {
+    pub(super) fn new(survey: &Survey) -> Self {
+        Self {
+            swept: survey.sweep.swept,
+            axis_inside: survey.sweep.inside,
+            axis_edge: survey.sweep.edge,
+            refined: survey.refined,
+            kept: survey.views.len(),
+            rejected: Rejection::ALL.iter().map(|r| r.name().into()).zip(survey.rejected).collect(),
+        }
+    }
+}
+
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
 fn is_zero(number: &usize) -> bool {
     *number == 0
@@ -192,16 +206,6 @@ impl Plan {
         let shares = chooser.shares(&choice.selected)?;
         let poses = choice.selected.iter().zip(shares);
         let document = |certificate| CertificateDocument::new(chooser.objective(), certificate);
-        let search = made.search.map(|search| SearchDocument {
-            end: match search.end {
-                SearchEnd::Optimal => "optimal",
-                SearchEnd::NodeLimit => "node limit",
-                SearchEnd::Stopped => "time limit or interrupt",
-            }
-            .into(),
-            nodes: search.nodes,
-            candidates: search.open_at_root,
-        });
         let fewest = made.fewest.as_ref().map(|proof| FewestDocument {
             accuracies: chooser.reached(choice),
             least: proof.least,
@@ -221,14 +225,7 @@ impl Plan {
             value: chooser.natural(choice.log_value),
             bound: chooser.natural(made.log_bound),
             efficiency: (choice.log_value - made.log_bound).exp(),
-            candidates: Candidates {
-                swept: survey.sweep.swept,
-                axis_inside: survey.sweep.inside,
-                axis_edge: survey.sweep.edge,
-                refined: survey.refined,
-                kept: survey.views.len(),
-                rejected: Rejection::ALL.iter().map(|r| r.name().into()).zip(survey.rejected).collect(),
-            },
+            candidates: Candidates::new(survey),
             collision: Some(CollisionDocument::new(problem, &survey.links)),
             intrinsics: Intrinsics {
                 names: names.iter().map(|&name| name.into()).collect(),
@@ -237,7 +234,7 @@ impl Plan {
             },
             map_error_px: choice.map_error,
             certificate: document(&made.certificate),
-            search,
+            search: made.search.as_ref().map(SearchDocument::new),
             fewest,
             joints: problem.robot.chain.joints.iter().map(|joint| joint.name.clone()).collect(),
             poses: poses.map(|(&i, share)| PlannedPose::new(problem, &survey.views[i], share)).collect(),

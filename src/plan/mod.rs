@@ -26,7 +26,7 @@ mod verify;
 
 pub use allowed::ConstraintError;
 pub use candidates::{candidates_csv, candidates_parquet};
-pub use certify::{CertifyError, Confirmed, certify};
+pub use certify::{BrokenConstraint, CertifyError, Confirmed, Unchecked, certify};
 pub use choice::{Choice, Chooser, PlanError};
 pub use collision::{CollisionDocument, Contact};
 pub use comparison::{Comparison, Equivalent, Row, compare, equivalent_kmeans};

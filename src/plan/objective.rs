@@ -211,18 +211,6 @@ impl<'a> Objective<'a> {
             .collect()
     }
 
-    /// log Φ of a value in the unit of [`Objective::natural`].
-    pub(super) fn log_of(&self, natural: f64) -> f64 {
-        match self.terms.as_slice() {
-            [term] => match term.criterion {
-                Some(Criterion::D | Criterion::Diversity) => natural / term.parameters.len() as f64,
-                Some(Criterion::A | Criterion::V) => -natural.ln(),
-                Some(Criterion::E | Criterion::Zhang) | None => natural.ln(),
-            },
-            _ => natural.ln(),
-        }
-    }
-
     /// log Φ in the unit of a lone criterion: log det for `d` and `diversity`, a variance in px² for `a` and `v`, an
     /// eigenvalue for `e` and `zhang`; of several criteria, Φ itself.
     pub(super) fn natural(&self, log_value: f64) -> f64 {

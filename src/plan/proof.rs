@@ -2,10 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::make::SearchSummary;
 use super::objective::{ACCURACY, Objective};
 use crate::information::Criterion;
 use crate::information::packed::{packed_len, unpack};
-use crate::selection::Certificate;
+use crate::selection::{Certificate, SearchEnd};
 
 /// The numbers that prove a bound: scores `Σ_t ⟨Y_t, M_ti⟩` less the prices of the caps, see the book's page "The method".
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -45,7 +46,7 @@ pub struct Price {
 /// How the search for the proven best set went.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SearchDocument {
-    /// "optimal"; or what ended it before: "node limit", "time limit or interrupt".
+    /// "optimal"; or what ended it before: "node limit", "time limit or interrupt": [`SearchDocument::ENDS`].
     pub end: String,
     /// Parts of the search space that were bounded.
     pub nodes: usize,
@@ -77,6 +78,23 @@ pub struct AccuracyDocument {
     pub wished: f64,
     /// What the plan reaches.
     pub reached: f64,
+}
+
+impl SearchDocument {
+    /// How a search ends that proved the best set.
+    pub const OPTIMAL: &'static str = "optimal";
+
+    /// All ways to end.
+    pub const ENDS: [&'static str; 3] = [Self::OPTIMAL, "node limit", "time limit or interrupt"];
+
+    pub(super) fn new(search: &SearchSummary) -> Self {
+        let end = match search.end {
+            SearchEnd::Optimal => 0,
+            SearchEnd::NodeLimit => 1,
+            SearchEnd::Stopped => 2,
+        };
+        Self { end: Self::ENDS[end].into(), nodes: search.nodes, candidates: search.open_at_root }
+    }
 }
 
 impl CertificateDocument {

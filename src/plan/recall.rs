@@ -1,9 +1,10 @@
 //! A plan that was written, found again in a survey of its problem.
 
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use thiserror::Error;
 
 use super::choice::{Chooser, PlanError};
-use super::document::Plan;
+use super::document::{Plan, PlannedPose, joints_deg};
 use super::objective::ACCURACY;
 use super::survey::Survey;
 use crate::information::Criterion;
@@ -32,6 +33,39 @@ pub enum RecallError {
         /// The pose's id.
         id: usize,
     },
+    /// Its joints are not the robot's.
+    #[error("its joints are {}; the robot's are {}", stated.join(", "), found.join(", "))]
+    Joints {
+        /// Names in the plan.
+        stated: Vec<String>,
+        /// The robot's.
+        found: Vec<String>,
+    },
+    /// Its intrinsics are not those that the problem estimates.
+    #[error("its intrinsics are {}; the problem estimates {}", stated.join(", "), found.join(", "))]
+    Intrinsics {
+        /// Names in the plan.
+        stated: Vec<String>,
+        /// Those that are estimated.
+        found: Vec<String>,
+    },
+    /// The hash is of the problem file alone; a camera file that it names may have changed.
+    #[error("it was made for another nominal camera; make a new plan")]
+    Camera,
+    /// There are no poses, or of another robot.
+    #[error("its poses do not have the robot's {dof} joint values")]
+    JointValues {
+        /// Number of the robot's joints.
+        dof: usize,
+    },
+    /// A robot's description that the problem file names may have changed, too.
+    #[error(
+        "the joint values of its pose {id} lead elsewhere than it says: the robot was changed, or the plan; make a new plan"
+    )]
+    Elsewhere {
+        /// The pose's id.
+        id: usize,
+    },
     /// What it optimises is not known.
     #[error("it optimises \"{criterion}\", which is no criterion of the problem")]
     Criterion {
@@ -44,6 +78,46 @@ pub enum RecallError {
 }
 
 impl Plan {
+    /// Checks that the plan is of the problem's robot, camera and criteria: names, nominal values, and every pose where it says.
+    ///
+    /// # Errors
+    /// When it is not.
+    pub fn fit(&self, problem: &Problem) -> Result<(), RecallError> {
+        let chain = &problem.robot.chain;
+        let joints: Vec<String> = chain.joints.iter().map(|joint| joint.name.clone()).collect();
+        if self.joints != joints {
+            return Err(RecallError::Joints { stated: self.joints.clone(), found: joints });
+        }
+        let names = problem.estimated_names();
+        if self.intrinsics.names != names {
+            let found = names.into_iter().map(String::from).collect();
+            return Err(RecallError::Intrinsics { stated: self.intrinsics.names.clone(), found });
+        }
+        let nominal = problem.estimated.iter().map(|&i| problem.camera.intrinsics()[i]);
+        if !nominal.eq(self.intrinsics.nominal.iter().copied()) {
+            return Err(RecallError::Camera);
+        }
+        // The command line may ask for one criterion, but several are the file's.
+        let asked = &problem.selection.criteria;
+        let is_asked = |(stated, asked): (&(Criterion, f64), &(Criterion, f64))| {
+            stated.0 == asked.0 && (stated.1 - asked.1).abs() < 1e-12
+        };
+        let is_files = |criteria: &[(Criterion, f64)]| {
+            criteria.len() == 1 || criteria.len() == asked.len() && criteria.iter().zip(asked).all(is_asked)
+        };
+        if self.criteria().is_some_and(|criteria| !is_files(&criteria)) {
+            return Err(RecallError::Criterion { criterion: self.criterion.clone() });
+        }
+        let dof = chain.dof();
+        if self.poses.is_empty() || self.poses.iter().any(|pose| pose.joints_rad.len() != dof) {
+            return Err(RecallError::JointValues { dof });
+        }
+        match self.poses.iter().find(|pose| !pose.is_there(problem)) {
+            Some(pose) => Err(RecallError::Elsewhere { id: pose.id }),
+            None => Ok(()),
+        }
+    }
+
     /// The chooser that made the plan, by its criteria or by the accuracies that the problem wishes for, and its poses as
     /// indices into the survey's views, in the plan's order.
     ///
@@ -94,5 +168,20 @@ impl Plan {
             places.push(place);
         }
         Ok(places)
+    }
+}
+
+impl PlannedPose {
+    /// Whether the joint values, in rad and in degrees alike, bring the camera to where the pose says.
+    fn is_there(&self, problem: &Problem) -> bool {
+        let X_BC = problem.robot.camera_pose(&self.joints_rad);
+        let [x, y, z] = self.camera_in_base.position_m;
+        let [i, j, k, w] = self.camera_in_base.quaternion_xyzw;
+        let planned = UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k));
+        let joints_deg = joints_deg(&problem.robot.chain, &self.joints_rad);
+        (X_BC.translation.vector - Vector3::new(x, y, z)).norm() < 1e-9
+            && X_BC.rotation.angle_to(&planned) < 1e-7
+            && self.joints_deg.len() == joints_deg.len()
+            && self.joints_deg.iter().zip(&joints_deg).all(|(a, b)| (a - b).abs() < 1e-9)
     }
 }

@@ -243,12 +243,14 @@ fn slopes(numbers: &[f64], softness: f64) -> Vec<f64> {
 /// L with `L Lᵀ = W`, p×r, of a positive semidefinite W.
 fn factor(weight: &DMatrix<f64>) -> DMatrix<f64> {
     let p = weight.nrows();
-    let eigen = weight.clone().symmetric_eigen();
+    // In units that make the diagonal 1: those of k3 and fx are so unlike that W's small eigenvalues drown otherwise.
+    let units = weight.diagonal().map(|w| if w > 0.0 { w.sqrt() } else { 1.0 });
+    let eigen = DMatrix::from_fn(p, p, |i, j| weight[(i, j)] / (units[i] * units[j])).symmetric_eigen();
     // Eigenvalues of rounding's size are zero; as columns of L they would be noise that log Φ° takes for signal.
     let least = eigen.eigenvalues.max() * p as f64 * f64::EPSILON;
     let columns: Vec<_> = (0..p)
         .filter(|&j| eigen.eigenvalues[j] > least)
-        .map(|j| eigen.eigenvectors.column(j) * eigen.eigenvalues[j].sqrt())
+        .map(|j| eigen.eigenvectors.column(j).component_mul(&units) * eigen.eigenvalues[j].sqrt())
         .collect();
     DMatrix::from_fn(p, columns.len(), |i, j| columns[j][i])
 }

@@ -54,7 +54,7 @@ impl Check<'_, '_> {
         for (name, &share) in shares {
             let key = path.key(name);
             if let Some(criterion) = Criterion::ALL.into_iter().find(|criterion| criterion.name() == name) {
-                criteria.push((criterion, self.number(&key, share, Allowed::positive(1e6)) / sum));
+                criteria.push((criterion, part(self.number(&key, share, Allowed::positive(1e6)), sum)));
             } else {
                 let allowed = Criterion::ALL.map(Criterion::name);
                 self.fault(&key, Reason::UnknownName { name: name.clone(), allowed: owned(&allowed) });
@@ -187,4 +187,11 @@ impl Check<'_, '_> {
         }
         JointRegion(region)
     }
+}
+
+/// The share `part / whole` to fifteen decimals: 0.7 of 0.7, 0.2 and 0.1 is 0.7, though their sum in binary is not 1.
+fn part(part: f64, whole: f64) -> f64 {
+    let share = part / whole;
+    let rounded = (share * 1e15).round() / 1e15;
+    if rounded > 0.0 { rounded } else { share }
 }
