@@ -205,7 +205,7 @@ mod tests {
             })
         };
         let rod = mesh(100, 270, |u, v| [0.03 * (TAU * v).cos(), 0.03 * (TAU * v).sin(), 0.4 * u]);
-        for (points, most, margin) in [(ball(0.1), 512, 0.9e-3), (ball(0.01), 300, 0.175e-3), (rod, 60, 0.501e-3)] {
+        for (points, most, margin) in [(ball(0.1), 512, 0.9e-3), (ball(0.01), 300, 0.175e-3), (rod, 100, 0.502e-3)] {
             let (simple, found) = outer_hull(&points);
             assert!(simple.len() <= most && found <= margin, "{} {found}", simple.len());
             assert_holds(&points, &simple, found);
