@@ -538,20 +538,20 @@ fn check_foresees_about_as_many_views_as_the_plan_finds() {
 #[test]
 fn check_foresees_the_poses_that_an_accuracy_takes() {
     let desk = Desk::new();
-    desk.change("fine.toml", &[("[selection]", "[selection]\naccuracy = { map_error_px = 0.5 }\ntime_limit_s = 1")]);
+    desk.change("fine.toml", &[("[selection]", "[selection]\naccuracy = { map_error_px = 1.2 }\ntime_limit_s = 1")]);
     let foreseen = desk.json("check fine.toml --json");
     let count = desk.json("plan fine.toml --json --trials 0 -o out")["count"].as_f64().unwrap();
     let told = foreseen["estimated_poses"].as_f64().unwrap();
     assert!((told / count - 1.0).abs() < 0.3, "{told} foreseen, {count} found");
     assert_eq!(foreseen["search_limit_seconds"], 1.0);
-    assert!(desk.stdout("check fine.toml").contains("the fewest poses that reach map_error_px 0.5 (about "));
+    assert!(desk.stdout("check fine.toml").contains("the fewest poses that reach map_error_px 1.2 (about "));
 }
 
 #[test]
 fn check_foresees_what_refinement_and_large_boards_cost() {
     let desk = Desk::new();
     let seconds = |name: &str| desk.json(&format!("check {name} --json"))["estimated_seconds"].as_f64().unwrap();
-    desk.change("refined.toml", &[("step_deg = 15", "step_deg = 15\nrefine = 10\nrefine_sample = 1_000_000")]);
+    desk.change("refined.toml", &[("[sweep]", "[sweep]\nrefine = 10\nrefine_sample = 1_000_000")]);
     assert!(seconds("refined.toml") > 5.0 + 5.0 * seconds("coarse.toml"));
     let board = std::fs::read_to_string(desk.path("coarse.toml")).unwrap();
     let columns = board.lines().find(|line| line.starts_with("columns")).unwrap().to_owned();

@@ -118,11 +118,7 @@ fn the_defaults_that_the_starter_shows_are_the_defaults() {
         assert!(shown.contains(&comment), "{key}");
         shown = shown.replace(&comment, &format!("{key} = "));
     }
-    for (comment, key) in [
-        ("# [output]\n# folder", "[output]\nfolder"),
-        ("# [estimate]\n# intrinsics", "[estimate]\nintrinsics"),
-        ("# flange = ", "flange = "),
-    ] {
+    for (comment, key) in [("# [estimate]\n# intrinsics", "[estimate]\nintrinsics"), ("# flange = ", "flange = ")] {
         assert!(shown.contains(comment));
         shown = shown.replace(comment, key);
     }

@@ -244,7 +244,7 @@ fn errors_are_documents_under_json() {
     assert!(fault["hint"].as_str().unwrap().contains("did you mean"), "{fault}");
     let noise = &error("check noise.toml", 3)["faults"][0];
     assert_eq!((&noise["value"], &noise["key"]), (&(-0.3).into(), &"noise.sigma_px".into()));
-    assert!(noise["allowed"].as_str().unwrap().starts_with("greater than 0"), "{noise}");
+    assert!(noise["allowed"].as_str().unwrap().starts_with("from 1e-6"), "{noise}");
     assert_eq!(error("check missing.toml", 3)["faults"][0]["file"], "missing.toml");
     assert_eq!(error("plan far.toml", 1)["kind"], "no-plan");
     assert_eq!(error("plan", 2)["kind"], "command-line");

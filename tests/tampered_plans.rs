@@ -353,6 +353,8 @@ fn honest_plans_of_all_cameras_hold_and_what_is_beyond_the_tolerance_is_noticed(
 fn names_that_do_not_fit_are_refused_by_every_command_that_reads_plans() {
     let desk = Desk::new();
     let plan = desk.json("plan coarse.toml -k 6 --trials 0 -o out --json");
+    // Beside it the plan would be a file that was changed.
+    std::fs::remove_file(desk.path("out/run.json")).unwrap();
     let swapped = |key: &str| {
         let mut changed = plan.clone();
         changed.pointer_mut(key).unwrap().as_array_mut().unwrap().swap(1, 2);
@@ -367,11 +369,14 @@ fn names_that_do_not_fit_are_refused_by_every_command_that_reads_plans() {
         ("/poses/0/camera_in_base/position_m", "lead elsewhere"),
     ] {
         swapped(key);
-        assert!(desk.complaint("certify out/plan.json", 1).contains(words), "{key}");
+        assert!(desk.complaint("certify out/plan.json --problem coarse.toml", 1).contains(words), "{key}");
         for command in ["verify", "explain", "polish"] {
-            assert!(desk.complaint(&format!("{command} out/plan.json"), 3).contains(words), "{key}: {command}");
+            assert!(
+                desk.complaint(&format!("{command} out/plan.json --problem coarse.toml"), 3).contains(words),
+                "{key}: {command}"
+            );
         }
-        assert!(desk.complaint("next out/plan.json none.vnl", 3).contains(words), "{key}");
+        assert!(desk.complaint("next out/plan.json --problem coarse.toml none.vnl", 3).contains(words), "{key}");
     }
     // A file that is no plan, or one of another problem, is refused before anything is certified.
     for (key, value, words) in
@@ -380,7 +385,7 @@ fn names_that_do_not_fit_are_refused_by_every_command_that_reads_plans() {
         let mut changed = plan.clone();
         *changed.pointer_mut(key).unwrap() = json!(value);
         std::fs::write(desk.path("out/plan.json"), changed.to_string()).unwrap();
-        assert!(desk.complaint("certify out/plan.json", 3).contains(words), "{key}");
+        assert!(desk.complaint("certify out/plan.json --problem coarse.toml", 3).contains(words), "{key}");
     }
 }
 
@@ -388,15 +393,17 @@ fn names_that_do_not_fit_are_refused_by_every_command_that_reads_plans() {
 fn what_is_not_checked_is_said() {
     let desk = Desk::new();
     let mut plan = desk.json("plan coarse.toml -k 6 --trials 0 -o out --json");
-    let said = desk.stdout("certify out/plan.json");
+    // Beside it the plan would be a file that was changed.
+    std::fs::remove_file(desk.path("out/run.json")).unwrap();
+    let said = desk.stdout("certify out/plan.json --problem coarse.toml");
     assert!(said.contains("Not checked: `calipose`, `method`, `seed`: "), "{said}");
     plan["calipose"] = json!("0.0.1");
     plan["seed"] = json!(77);
     plan["poses"][1]["note"] = json!("safe");
     std::fs::write(desk.path("out/plan.json"), plan.to_string()).unwrap();
-    let said = desk.stdout("certify out/plan.json");
+    let said = desk.stdout("certify out/plan.json --problem coarse.toml");
     assert!(said.contains("Not checked: `poses[1].note`: is not known to this version"), "{said}");
-    let document = desk.json("certify out/plan.json --json");
+    let document = desk.json("certify out/plan.json --problem coarse.toml --json");
     let fields: Vec<&str> =
         document["not_checked"].as_array().unwrap().iter().map(|entry| entry["field"].as_str().unwrap()).collect();
     assert_eq!(fields, ["calipose", "method", "seed", "poses[1].note"]);

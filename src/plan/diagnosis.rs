@@ -98,6 +98,10 @@ pub fn diagnose(problem: &Problem) -> Diagnosis {
 /// The axis test, and those of visibility.
 const TESTS: usize = 1 + VisibilityTest::ALL.len();
 
+/// Their numbers from the one that says most to the one that says least, where several stop all: a board out of reach is out of the
+/// image too.
+const TELLING: [usize; TESTS] = [2, 1, 3, 4, 0, 5, 6];
+
 /// One configuration.
 struct Look {
     id: usize,
@@ -139,8 +143,8 @@ fn sight_obstacle(problem: &Problem, looks: &[Look]) -> Option<Obstacle> {
             passed[test] += usize::from(!failed[test]);
         }
     }
-    let only = (0..TESTS).rev().max_by_key(|&test| alone[test]).filter(|&test| alone[test] > 0);
-    let test = only.or_else(|| (0..TESTS).min_by_key(|&test| passed[test]))?;
+    let only = TELLING.into_iter().rev().max_by_key(|&test| alone[test]).filter(|&test| alone[test] > 0);
+    let test = only.or_else(|| TELLING.into_iter().min_by_key(|&test| passed[test]))?;
     let is_near =
         |look: &&Look| look.failed().any(|failed| failed == test) && (only.is_none() || look.failed().nth(1).is_none());
     let nearest = looks.iter().filter(is_near).min_by(|a, b| a.misses[test].total_cmp(&b.misses[test]))?;

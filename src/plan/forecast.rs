@@ -247,6 +247,9 @@ impl<'a> Chosen<'a> {
         let survey = Survey::of(problem, some).ok()?;
         let inform = start.elapsed().as_secs_f64() / survey.views.len().max(1) as f64;
         let m = survey.views.len();
+        if m < 2 {
+            return None;
+        }
         let wished = if problem.selection.accuracies.is_empty() { problem.selection.count } else { CHOSEN };
         let poses = wished.min(CHOSEN).min(m / 2).max(1);
         let sizes = [(m / 3).max(poses), m];
