@@ -259,7 +259,8 @@ fn refused_problem_files_end_with_three() {
 #[test]
 fn a_board_out_of_sight_is_explained() {
     let desk = Desk::new();
-    desk.change("far.toml", &[("position_mm = [232.875, 72.75, -98]", "position_mm = [90000, 0, 2000]")]);
+    let far = ("position_mm = [232.875, 72.75, -98]", "position_mm = [90000, 0, 2000]");
+    desk.change("far.toml", &[far, ("[visibility]", "[visibility]\nmax_distance_mm = 1500")]);
     let complaint = desk.complaint("plan far.toml", 1);
     assert!(complaint.contains("points the camera at the target zone"), "{complaint}");
     assert!(complaint.contains("All fail by distance: the closest camera is"), "{complaint}");

@@ -424,8 +424,8 @@ impl Fault {
                     .into()
             }
             Reason::FoldsBack { .. } => {
-                "check the signs and the order of the coefficients, and that they are of this lens model; a fisheye is \
-                 \"kannala-brandt\""
+                "check the signs and the order of the coefficients, that they are of this lens model (a fisheye is \
+                 \"kannala-brandt\"), and that the focal lengths are in px, not in mm"
                     .into()
             }
             Reason::CameraFile { error: FileReadError::Content(error), .. } => return of_camera_file(&error.fault),
