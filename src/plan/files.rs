@@ -40,7 +40,7 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     write_together(path.parent().unwrap_or(Path::new("")), &[(path.file_name().unwrap_or_default(), bytes)], &[])
 }
 
-/// Writes files that belong together to `folder`, creating it; see [`Held::write`]. Those of `stale` that are not among them
+/// Writes files that belong together to `folder`, creating it: all are staged before the first is renamed. Those of `stale` that are not among them
 /// are removed: they told of what was there before.
 ///
 /// # Errors

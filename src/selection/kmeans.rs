@@ -27,7 +27,7 @@ pub enum ClusteringError {
     },
 }
 
-/// Clusters the rows of `features` into `count` clusters ([k-means++](plus_plus) start, [Lloyd's method](lloyd)) and returns the
+/// Clusters the rows of `features` into `count` clusters (k-means++ start, Lloyd's method) and returns the
 /// member nearest to each centre, distinct and in ascending order.
 ///
 /// # Errors
