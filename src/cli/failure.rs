@@ -250,7 +250,11 @@ fn calibration_help(error: &CalibrationError, names: &[String], fits: Option<(&'
             "give --board {rows}x{columns}, or swap columns and rows where the file of corners or the problem file states the board"
         ),
         E::SwappedOrder { views, of, columns, rows } if 2 * views.len() > *of => {
-            format!("give --board {rows}x{columns}; the corners of the other {} look swapped then", of - views.len())
+            let others = match of - views.len() {
+                1 => "one other view".to_owned(),
+                others => format!("{others} other views"),
+            };
+            format!("give --board {rows}x{columns}, and swap columns and rows in the {others}")
         }
         E::SwappedOrder { views, columns, .. } => format!(
             "list the corners of {} along the board's rows of {columns} as in the other views, or leave them out",
