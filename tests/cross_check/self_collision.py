@@ -1,11 +1,11 @@
-"""Self-collision verdicts and centres of mass of calipose against MuJoCo and coal.
+"""Collision verdicts, also with obstacles, and centres of mass of calipose against MuJoCo and coal.
 
     python tests/cross_check/self_collision.py [COUNT] [FILE ...]
 
 Makes a virtual environment with mujoco and coal from PyPI (in $CROSS_CHECK_VENV, or a temporary folder), lets
 `examples/feasibility_dump.rs` print the model and calipose's answers for COUNT (10 000) random configurations and for
 pairs of them moved to either side of where the verdict changes, builds the same robot as MJCF, and compares configuration
-by configuration (of the Servosila with bodies and of shapes.toml, which has every kind of body, unless files are given):
+by configuration (of the Servosila with bodies and of shapes.toml, which has every kind of body and of obstacle, unless files are given):
 
 - distances of every tested pair of links, where they are apart: MuJoCo's kinematics, MuJoCo's and coal's distances. One
   that contradicts both is wrong (MuJoCo 4.0.0 at times finds a capsule apart from a box that it pierces);
