@@ -17,29 +17,17 @@ Exits with 1 if anything disagrees.
 """
 
 import json
-import os
 import subprocess
 import sys
-import tempfile
-import venv
 from pathlib import Path
+
+from environment import run_with
 
 ROOT = Path(__file__).resolve().parents[2]
 REQUIREMENTS = ["numpy==2.4.6", "mujoco==4.0.0", "coal==3.0.3"]
 # Both libraries iterate to about 1e-6 m by default; contact within this is nobody's error.
 TOLERANCE = 1e-5
 CENTER_TOLERANCE = 1e-9
-
-
-def in_virtual_environment():
-    """Restarts this script with an interpreter that has the libraries."""
-    folder = Path(os.environ.get("CROSS_CHECK_VENV") or Path(tempfile.gettempdir()) / "calipose-cross-check")
-    python = folder / "bin" / "python"
-    if not python.exists():
-        venv.create(folder, with_pip=True)
-    subprocess.run([python, "-m", "pip", "install", "--quiet", *REQUIREMENTS], check=True)
-    environment = os.environ | {"CROSS_CHECK_INSIDE": "1"}
-    sys.exit(subprocess.run([python, __file__, *sys.argv[1:]], env=environment).returncode)
 
 
 def dump(file, count):
@@ -205,8 +193,7 @@ def main(file, count):
 
 
 if __name__ == "__main__":
-    if os.environ.get("CROSS_CHECK_INSIDE") != "1":
-        in_virtual_environment()
+    run_with(*REQUIREMENTS)
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 10_000
     files = sys.argv[2:] or ["problems/servosila-engineer-bodies.toml", "tests/cross_check/shapes.toml"]
     agreed = [main(file, count) for file in files]
