@@ -2,9 +2,10 @@
 
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256Plus;
+use rayon::prelude::*;
 
 use super::error::SelectionError;
-use super::exchange::{exchange_each, improved_greedy};
+use super::exchange::{exchange, improved_greedy};
 use super::instance::Instance;
 use super::relaxation::{Relaxation, RelaxationSettings, relax};
 
@@ -43,7 +44,8 @@ pub fn best(instance: &Instance, settings: &RelaxationSettings, seed: u64) -> Re
             starts.push(rounded);
         }
     }
-    for selected in exchange_each(instance, starts) {
+    let improved: Vec<_> = starts.into_par_iter().map(|start| exchange(instance, start)).collect();
+    for selected in improved {
         let log_value = instance.log_value(&instance.total(&selected));
         if log_value > best.log_value {
             best.selected = selected;

@@ -28,7 +28,7 @@ pub use certificate::Certificate;
 pub use constraints::{Cap, Constraints, Separation};
 pub use curvature::Curvature;
 pub use error::SelectionError;
-pub use exchange::{exchange, exchange_each, improved_greedy};
+pub use exchange::{exchange, improved_greedy};
 pub use fewest::{Fewest, NotEnough, Refutation, fewest};
 pub use function::{Gradient, InformationFunction};
 pub use greedy::greedy;
