@@ -1,25 +1,17 @@
 //! OpenCV's XML as the tree of its YAML.
 
-use roxmltree::{Document, Node as Element};
+use std::collections::HashSet;
+
+use roxmltree::Node as Element;
 
 use super::error::{ReadError, ReadFault};
 use super::tree::{Content, DEEPEST, Node};
-
-/// Most attributes of a camera's XML: the parser compares each with those before it.
-const MOST_ATTRIBUTES: usize = 10_000;
+use super::xml;
 
 /// The value of the storage that `text` is.
 pub(super) fn parse(text: &str) -> Result<Node, ReadError> {
-    if text.bytes().filter(|&byte| byte == b'=').count() > MOST_ATTRIBUTES {
-        let message = format!("the XML has more than {MOST_ATTRIBUTES} attributes, too many for a camera's");
-        return Err(ReadFault::Syntax { message }.at(1));
-    }
-    let document = Document::parse(text).map_err(|error| {
-        let message = error.to_string();
-        // The line is told apart.
-        let message = message.rsplit_once(" at ").map_or(message.as_str(), |(what, _)| what).to_owned();
-        ReadFault::Syntax { message }.at(error.pos().row as usize)
-    })?;
+    let document =
+        xml::parse(text).map_err(|error| ReadFault::Syntax { message: error.to_string() }.at(error.line()))?;
     let root = document.root_element();
     if root.tag_name().name() != "opencv_storage" {
         let message = format!("the XML is of <{}>; OpenCV's is of <opencv_storage>", root.tag_name().name());
@@ -51,14 +43,14 @@ fn node(element: Element, depth: usize) -> Result<Node, ReadError> {
     } else if children.iter().all(|child| child.tag_name().name() == "_") {
         Content::List(children.into_iter().map(|child| node(child, depth + 1)).collect::<Result<_, _>>()?)
     } else {
-        let mut map: Vec<(String, Node)> = Vec::new();
+        let (mut map, mut names) = (Vec::new(), HashSet::new());
         for child in children {
-            let name = child.tag_name().name().to_owned();
+            let name = child.tag_name().name();
             let value = node(child, depth + 1)?;
-            if map.iter().any(|(known, _)| *known == name) {
-                return Err(ReadFault::Repeated { name }.at(value.line));
+            if !names.insert(name) {
+                return Err(ReadFault::Repeated { name: name.to_owned() }.at(value.line));
             }
-            map.push((name, value));
+            map.push((name.to_owned(), value));
         }
         Content::Map(map)
     };
