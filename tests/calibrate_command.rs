@@ -348,10 +348,10 @@ fn the_lens_that_fits_is_named_where_the_one_asked_for_does_not() {
     assert!(code != Some(0) && text.contains("`--lens kannala-brandt`"), "{text}");
     let (code, text) = answer(&["--lens", "kannala-brandt"]);
     assert!(code == Some(0) && text.contains("RMS 0.3088"), "{text}");
-    // What is weak, and where to take the board.
+    // What is known least, and where to take the board.
     assert!(
-        text.contains("Weak: ")
-            && text.contains("one combination of k3 k4")
+        text.contains("Fair: ")
+            && text.contains("one combination of k3, k4")
             && text.contains("No corner lies in the image's top"),
         "{text}"
     );
@@ -387,6 +387,23 @@ fn good_views_are_good_and_a_wish_that_is_missed_is_an_exit_code() {
     assert!(code == Some(0) && judgement == "good");
     let (_, judgement, verdict) = run("--loss cauchy --fix k1,k2,k3 --zero-tangential");
     assert!(judgement != "outliers" || !verdict.contains("--loss cauchy"), "{verdict}");
+}
+
+/// The ten poses planned for the Servosila robot are fair, eight of them are not.
+#[test]
+fn a_recommended_plan_is_not_called_weak() {
+    let example = std::fs::read_to_string("problems/examples/servosila-corners.vnl").unwrap();
+    let problem = std::path::absolute("problems/servosila-engineer.toml").unwrap();
+    let judged = |views: usize| {
+        let folder = tempfile::tempdir().unwrap();
+        let last = format!("view{views:02}.png");
+        let some: Vec<&str> = example.lines().take_while(|line| !line.starts_with(&last)).collect();
+        std::fs::write(folder.path().join("corners.vnl"), some.join("\n")).unwrap();
+        let output = calibrate(folder.path(), &["corners.vnl", "--problem", problem.to_str().unwrap(), "--json"]);
+        assert_eq!(output.status.code(), Some(0));
+        serde_json::from_slice::<Value>(&output.stdout).unwrap()["judgement"].clone()
+    };
+    assert_eq!((judged(8), judged(10)), ("weak".into(), "fair".into()));
 }
 
 #[test]
