@@ -45,8 +45,8 @@ pub enum PlanError {
     },
     /// The poses found leave some combination of the intrinsics all but undetermined, where others might tell far more.
     #[error(
-        "the {count} poses found give less than {:e} of the information that the certificate's bound allows; they all but \
-             leave open: {}",
+        "the set found, of size {count}, gives less than {:e} of the information that the certificate's bound allows; it all \
+             but leaves open: {}",
         Self::LEAST_EFFICIENCY,
         describe(combination)
     )]

@@ -80,3 +80,30 @@ pub fn make<'a>(
         search.map(|search| SearchSummary { end: search.end, nodes: search.nodes, open_at_root: search.open_at_root });
     Ok((Made { choice, certificate, log_bound, search, fewest: None }, chooser))
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::plan::{PlanError, survey};
+
+    #[test]
+    fn hardly_any_of_the_possible_information_is_no_plan() {
+        let mut problem = Problem::read(Path::new("problems/servosila-engineer.toml")).unwrap();
+        problem.selection.method = Method::KMeansJoints;
+        problem.selection.count = 2;
+        let survey = survey(&problem, &|_| {}).unwrap();
+        let chooser = Chooser::new(&problem, &survey).unwrap();
+        // Two views that determine all nine intrinsics by the book, and to thousands of pixels.
+        let refused =
+            make(&problem, Chooser::new(&problem, &survey).unwrap(), &mut |_| ControlFlow::Continue(())).map(drop);
+        let Err(PlanError::HardlyObservable { count: 2, combination }) = refused else { panic!("{refused:?}") };
+        assert_eq!(combination.len(), problem.estimated.len());
+        // Just inside and just outside of the floor.
+        let choice = chooser.choose(Method::Random, 8, 3).unwrap();
+        let bound = |efficiency: f64| choice.log_value - efficiency.ln();
+        chooser.require_efficient(&choice, bound(PlanError::LEAST_EFFICIENCY * 1.001)).unwrap();
+        chooser.require_efficient(&choice, bound(PlanError::LEAST_EFFICIENCY * 0.999)).unwrap_err();
+    }
+}
