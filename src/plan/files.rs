@@ -40,8 +40,8 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     write_together(path.parent().unwrap_or(Path::new("")), &[(path.file_name().unwrap_or_default(), bytes)], &[])
 }
 
-/// Writes files that belong together to `folder`, creating it: all are staged before the first is renamed. Those of `stale` that are not among them
-/// are removed: they told of what was there before.
+/// Writes files that belong together to `folder`, creating it: all are staged before the first is renamed. Those of `stale`
+/// that are not among them are removed: they told of what was there before.
 ///
 /// # Errors
 /// When the folder or a file cannot be written. The error names the files that were replaced nevertheless.
