@@ -1,7 +1,7 @@
 //! The information matrices of all candidates, in one table.
 
 use faer::linalg::matmul::matmul;
-use faer::{Accum, ColMut, ColRef, MatRef, Par};
+use faer::{Accum, ColMut, ColRef, Mat, MatRef, Par};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use thiserror::Error;
@@ -206,6 +206,27 @@ impl InformationSet {
             matmul(ColMut::from_slice_mut(scores), Accum::Add, table, ColRef::from_slice(&weights), 1.0, Par::Seq);
         });
     }
+
+    /// As [`InformationSet::add_scores`] by each of several matrices Y, `scores` beside them: the table is read once for all.
+    pub fn add_scores_by_each(&self, ys: &[&[f64]], scores: &mut [Vec<f64>]) {
+        let q = packed_len(self.order);
+        let weights: Vec<f64> = ys.iter().flat_map(|y| dual(y.to_vec(), self.order)).collect();
+        let weights = MatRef::from_column_major_slice(&weights, q, ys.len());
+        let product = |rows: &[f64]| {
+            let table = MatRef::from_row_major_slice(rows, rows.len() / q, q);
+            let mut product = Mat::zeros(table.nrows(), ys.len());
+            matmul(product.as_mut(), Accum::Replace, table, weights, 1.0, Par::Seq);
+            product
+        };
+        let products: Vec<Mat<f64>> = self.table.par_chunks(ROWS_PER_TASK * q).map(product).collect();
+        for (task, product) in products.iter().enumerate() {
+            for (scores, column) in scores.iter_mut().zip(product.col_iter()) {
+                for (score, term) in scores[task * ROWS_PER_TASK..].iter_mut().zip(column.iter()) {
+                    *score += term;
+                }
+            }
+        }
+    }
 }
 
 fn check(packed: &[f64], p: usize, candidate: usize) -> Result<(), InformationError> {
@@ -245,6 +266,10 @@ mod tests {
         for (score, m) in scores.iter().zip(&matrices) {
             assert!((score - 10.0 - (&y * m).trace()).abs() < 1e-14);
         }
+        let ys = [pack(&y), vec![1.0, 0.0, 1.0]];
+        let mut each = vec![vec![1.0; 2]; 2];
+        set.add_scores_by_each(&ys.each_ref().map(Vec::as_slice), &mut each);
+        assert_eq!(each, [vec![scores[0] - 9.0, scores[1] - 9.0], vec![6.0, 2.0]]);
         assert_eq!(set.matrix(0), matrices[0]);
         assert_eq!(set.total(&[0.5, 0.0, 0.0], &[0, 1]), [3.5, 1.0, 3.0]);
     }

@@ -11,7 +11,7 @@ use super::explanation::{
 use crate::information::packed::inverse;
 use crate::information::pixel_units;
 use crate::problem::Problem;
-use crate::selection::{RelaxationSettings, SelectionError, improved_greedy, relax, spares};
+use crate::selection::{RelaxationSettings, SelectionError, Spare, improved_greedy, relax, spares};
 
 /// How much to explain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -120,7 +120,7 @@ fn poses(
         let others = plan.selected.iter().copied().filter(|&i| i != leaving);
         chooser.assess(others.chain(incoming).collect())
     };
-    let explain_pose = |&leaving: &usize| {
+    let explain_pose = |(&leaving, found): (&usize, Vec<Spare>)| {
         let without = replaced(leaving, None);
         let grown = plan.sigma.iter().zip(&without.sigma).zip(&names);
         let most = grown.max_by(|((a, b), _), ((c, d), _)| (*b / *a).total_cmp(&(*d / *c)));
@@ -133,7 +133,6 @@ fn poses(
                 map_error_px: finite(choice.map_error),
             }
         };
-        let found = spares(&instance, &plan.selected, leaving, spare_count);
         PoseExplanation {
             id: views[leaving].id,
             joints_deg: in_degrees(leaving),
@@ -155,7 +154,8 @@ fn poses(
             spares: found.into_iter().map(|found| spare(found.candidate)).collect(),
         }
     };
-    Ok(plan.selected.par_iter().map(explain_pose).collect())
+    let found = spares(&instance, &plan.selected, spare_count);
+    Ok(plan.selected.par_iter().zip(found).map(explain_pose).collect())
 }
 
 /// The eigenvector of the covariance's greatest eigenvalue, with the intrinsics in [`pixel_units`]. It is found as that of

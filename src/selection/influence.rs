@@ -1,5 +1,7 @@
 //! What each member of a selection is worth, and which candidates could take its place.
 
+use rayon::prelude::*;
+
 use super::instance::Instance;
 
 /// A candidate that can take a member's place.
@@ -24,21 +26,23 @@ pub fn without_each(instance: &Instance, selected: &[usize]) -> Vec<f64> {
     selected.iter().map(|&i| instance.log_value(&instance.total(&others(selected, i)))).collect()
 }
 
-/// The `most` candidates that leave the greatest log Φ when they take the place of `leaving`, the best first, equal ones by
-/// index; only those that the constraints allow beside the other members. A required member has no spares.
-///
-/// Two bounds spare most candidates the evaluation, with the gradients Y of the selection M and `Y'` of the rest `M' = M − M_i`:
-///
-/// ```text
-/// Φ(M' + M_j) ≤ Φ(M') (1 + ⟨Y', M_j⟩),      Φ(M' + M_j) ≤ Φ(M) (1 + ⟨Y, M_j⟩ − ⟨Y, M_i⟩)
-/// ```
-pub fn spares(instance: &Instance, selected: &[usize], leaving: usize, most: usize) -> Vec<Spare> {
-    if most == 0 || !instance.is_open(leaving) {
-        return vec![];
+/// For each member of a selection, in their order, the `most` candidates that leave the greatest log Φ when they take its
+/// place, the best first, equal ones by index; only those that the constraints allow beside the other members. A required
+/// member has no spares.
+pub fn spares(instance: &Instance, selected: &[usize], most: usize) -> Vec<Vec<Spare>> {
+    if most == 0 {
+        return vec![vec![]; selected.len()];
     }
+    let best = |(&leaving, bounds): (&usize, Vec<f64>)| {
+        if instance.is_open(leaving) { spares_for(instance, selected, leaving, &bounds, most) } else { vec![] }
+    };
+    selected.par_iter().zip(replacement_bounds(instance, selected)).map(best).collect()
+}
+
+/// The spares of the member `leaving`, from `bounds` of what log Φ can be with each candidate in its place.
+fn spares_for(instance: &Instance, selected: &[usize], leaving: usize, bounds: &[f64], most: usize) -> Vec<Spare> {
     let rules = instance.rules();
     let rest = instance.total(&others(selected, leaving));
-    let bounds = replacement_bounds(instance, &instance.total(selected), &rest, leaving);
     let mut candidates: Vec<usize> =
         (0..instance.len()).filter(|&j| instance.is_open(j) && !selected.contains(&j)).collect();
     candidates.sort_unstable_by(|&a, &b| bounds[b].total_cmp(&bounds[a]).then(a.cmp(&b)));
@@ -67,24 +71,41 @@ fn others(selected: &[usize], leaving: usize) -> Vec<usize> {
     selected.iter().copied().filter(|&i| i != leaving).collect()
 }
 
-/// For each candidate what log Φ can be at most once it has taken the place of `leaving`.
-fn replacement_bounds(instance: &Instance, total: &[f64], rest: &[f64], leaving: usize) -> Vec<f64> {
-    let (before, left) = (instance.log_value(total), instance.log_value(rest));
-    let mut bounds = vec![f64::INFINITY; instance.len()];
-    let mut tighten = |log_value: f64, y: &[f64], taken: f64| {
-        for (bound, score) in bounds.iter_mut().zip(instance.scores(y)) {
-            *bound = bound.min(log_value + (score - taken).max(-1.0).ln_1p());
+/// For each member, and each candidate in its place, what log Φ can be at most. Two bounds spare most candidates the
+/// evaluation, with the gradients Y of the selection M and `Y'` of the rest `M' = M − M_i`:
+///
+/// ```text
+/// Φ(M' + M_j) ≤ Φ(M') (1 + ⟨Y', M_j⟩),      Φ(M' + M_j) ≤ Φ(M) (1 + ⟨Y, M_j⟩ − ⟨Y, M_i⟩)
+/// ```
+fn replacement_bounds(instance: &Instance, selected: &[usize]) -> Vec<Vec<f64>> {
+    let total = instance.total(selected);
+    let before = instance.log_value(&total);
+    let rests: Vec<Vec<f64>> = selected.iter().map(|&i| instance.total(&others(selected, i))).collect();
+    let resolved = |rest: &&Vec<f64>| instance.log_value(rest) > before - TOO_LITTLE;
+    let gradients: Vec<Option<Vec<f64>>> = std::iter::once(instance.gradient(&total))
+        .chain(rests.iter().map(|rest| Some(rest).filter(resolved).and_then(|rest| instance.gradient(rest))))
+        .map(|gradient| gradient.map(|gradient| gradient.y))
+        .collect();
+    let known: Vec<&[f64]> = gradients.iter().flatten().map(Vec::as_slice).collect();
+    let mut scores = instance.scores_by_each(&known).into_iter();
+    let mut scores = gradients.iter().map(|gradient| gradient.as_ref().and_then(|_| scores.next()));
+    let of_total = scores.next().flatten();
+    let bounds = |((&leaving, rest), of_rest): ((&usize, &Vec<f64>), Option<Vec<f64>>)| {
+        let mut bounds = vec![f64::INFINITY; instance.len()];
+        let mut tighten = |log_value: f64, scores: &[f64], taken: f64| {
+            for (bound, score) in bounds.iter_mut().zip(scores) {
+                *bound = bound.min(log_value + (score - taken).max(-1.0).ln_1p());
+            }
+        };
+        if let Some(scores) = &of_total {
+            tighten(before, scores, scores[leaving]);
         }
+        if let Some(scores) = &of_rest {
+            tighten(instance.log_value(rest), scores, 0.0);
+        }
+        bounds
     };
-    if let Some(gradient) = instance.gradient(total) {
-        tighten(before, &gradient.y, instance.scores_of(&gradient.y, &[leaving])[0]);
-    }
-    if left > before - TOO_LITTLE
-        && let Some(gradient) = instance.gradient(rest)
-    {
-        tighten(left, &gradient.y, 0.0);
-    }
-    bounds
+    selected.iter().zip(&rests).zip(scores).map(bounds).collect()
 }
 
 #[cfg(test)]
@@ -136,7 +157,8 @@ mod tests {
             let term = Term { candidates: &candidates, prior: None, function, share: 1.0 };
             let instance = Instance::constrained(&[term], count, constraints).unwrap();
             let selected = crate::selection::greedy(&instance).unwrap();
-            for &leaving in &selected {
+            let found = spares(&instance, &selected, 5);
+            for (place, &leaving) in selected.iter().enumerate() {
                 let mut expected: Vec<Spare> = (0..n)
                     .filter(|&j| instance.is_open(leaving) && instance.is_open(j) && !selected.contains(&j))
                     .filter(|&j| instance.rules().allows(&selected, Some(leaving), j))
@@ -148,7 +170,7 @@ mod tests {
                     .collect();
                 expected.sort_by(|a, b| b.log_value.total_cmp(&a.log_value).then(a.candidate.cmp(&b.candidate)));
                 expected.truncate(5);
-                assert_eq!(spares(&instance, &selected, leaving, 5), expected, "{round} {leaving}");
+                assert_eq!(found[place], expected, "{round} {leaving}");
             }
             let without = without_each(&instance, &selected);
             assert_eq!(without.len(), count);

@@ -269,6 +269,16 @@ impl<'a> Instance<'a> {
         scores
     }
 
+    /// Scores of all candidates by each of several matrices Y.
+    pub fn scores_by_each(&self, ys: &[&[f64]]) -> Vec<Vec<f64>> {
+        let mut scores = vec![vec![0.0; self.len()]; ys.len()];
+        for block in &self.blocks {
+            let ys: Vec<&[f64]> = ys.iter().map(|y| &y[block.place.clone()]).collect();
+            block.candidates.add_scores_by_each(&ys, &mut scores);
+        }
+        scores
+    }
+
     /// Scores `⟨Y, M_i⟩` of some candidates.
     pub fn scores_of(&self, y: &[f64], candidates: &[usize]) -> Vec<f64> {
         let dual = self.dual(y);
