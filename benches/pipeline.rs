@@ -7,10 +7,11 @@ use std::path::Path;
 use std::time::Duration;
 
 use calipose::feasibility::Occlusion;
-use calipose::information::packed::pack;
-use calipose::information::{InformationSet, Measurement};
-use calipose::plan::survey;
+use calipose::information::Measurement;
+use calipose::plan::survey::survey;
 use calipose::problem::Problem;
+use calipose::selection::InformationSet;
+use calipose::selection::packed::pack;
 use calipose::selection::{InformationFunction, Instance, RelaxationSettings, best, exchange, greedy, relax};
 use calipose::spatial::Pose;
 use calipose::sweep::{AxisRule, sweep};

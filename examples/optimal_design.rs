@@ -9,8 +9,8 @@
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use calipose::information::InformationSet;
-use calipose::information::packed::{cholesky, packed_len, whiten};
+use calipose::selection::InformationSet;
+use calipose::selection::packed::{cholesky, packed_len, whiten};
 use calipose::selection::{
     InformationFunction, Instance, RelaxationSettings, SearchEnd, best, exchange, greedy, relax, search,
 };

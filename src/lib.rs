@@ -15,7 +15,8 @@
 //! ```
 //! use std::path::Path;
 //!
-//! use calipose::plan::{Chooser, survey};
+//! use calipose::plan::choose::Chooser;
+//! use calipose::plan::survey::survey;
 //! use calipose::problem::Problem;
 //!
 //! let problem = Problem::read(Path::new("problems/servosila-engineer.toml"))?;
@@ -42,8 +43,8 @@
 //!
 //! # Modules
 //!
-//! A module imports only from those before it: [`figures`], [`spatial`], [`camera`], [`target`], [`robot`], [`sweep`], [`feasibility`],
-//! [`information`], [`selection`], [`calibration`], [`verification`], [`formats`], [`problem`], [`mod@plan`], [`cli`]. The
+//! A module imports only from those before it: [`figures`], [`spatial`], [`selection`], [`camera`], [`target`], [`robot`], [`sweep`],
+//! [`feasibility`], [`information`], [`calibration`], [`verification`], [`formats`], [`problem`], [`mod@plan`], [`cli`]. The
 //! stages up to `verification` know no files and no command line; `selection` knows no robots and no cameras either.
 #![allow(
     non_snake_case,

@@ -8,9 +8,12 @@
 use std::path::Path;
 
 use calipose::information::Criterion;
-use calipose::plan::{Chooser, Survey, compare, survey};
+use calipose::plan::assess::compare;
+use calipose::plan::choose::Chooser;
+use calipose::plan::choose::lloyd;
+use calipose::plan::survey::{Survey, survey};
+use calipose::problem::Method;
 use calipose::problem::Problem;
-use calipose::selection::{Method, lloyd};
 use serde::Deserialize;
 
 const SEEDS: usize = 5;

@@ -7,12 +7,12 @@
 
 use std::ops::ControlFlow;
 
-use calipose::information::packed::pack;
-use calipose::information::{InformationError, InformationSet};
+use calipose::selection::packed::pack;
 use calipose::selection::{
     Best, Cap, Certificate, Constraints, Gradient, InformationFunction, Instance, RelaxationSettings, SearchEnd,
     SelectionError, Separation, Term, best, exchange, fewest, greedy, improved_greedy, relax, search, start_of_search,
 };
+use calipose::selection::{InformationError, InformationSet};
 use nalgebra::DMatrix;
 use rand::{Rng, SeedableRng};
 use rand_distr::StandardNormal;

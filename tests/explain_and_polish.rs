@@ -5,7 +5,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-use calipose::plan::{Explanation, Plan, PolishedPlan};
+use calipose::plan::document::{Explanation, Plan, PolishedPlan};
 use tempfile::TempDir;
 
 fn calipose(folder: &Path, line: &str) -> Output {

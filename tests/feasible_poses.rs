@@ -7,7 +7,10 @@ use std::path::Path;
 use std::process::Command;
 
 use calipose::feasibility::{Rejection, View, feasible_views};
-use calipose::plan::{Chooser, Plan, make, survey, verify};
+use calipose::plan::assess::verify;
+use calipose::plan::choose::{Chooser, make};
+use calipose::plan::document::Plan;
+use calipose::plan::survey::survey;
 use calipose::problem::Problem;
 use calipose::sweep::sweep;
 use calipose::target::Corners;

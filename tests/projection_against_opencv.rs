@@ -6,7 +6,7 @@
 
 use calipose::camera::{Camera, Lens};
 use calipose::information::Measurement;
-use calipose::information::packed::unpack;
+use calipose::selection::packed::unpack;
 use calipose::spatial::{Pose, skew};
 use calipose::target::{Board, Corners};
 use nalgebra::{DMatrix, DVector, Matrix3, Point3, UnitQuaternion, Vector3};

@@ -5,7 +5,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use calipose::plan::reach_starts;
+use calipose::plan::assess::reach_starts;
 use calipose::problem::Problem;
 use calipose::robot::{ReachSettings, reach};
 use rand::{Rng, SeedableRng};

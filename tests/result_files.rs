@@ -68,7 +68,7 @@ fn a_killed_run_leaves_the_files_of_one_run_or_it_is_found_out() {
             continue;
         }
         // Poses in the table and in the document are the same number, or readers refuse them.
-        let mixed = calipose::plan::check_results(&plan);
+        let mixed = calipose::plan::results::check_results(&plan);
         let document: serde_json::Value = serde_json::from_slice(&std::fs::read(&plan).unwrap()).unwrap();
         let rows = std::fs::read_to_string(desk.path("out/plan.csv")).unwrap().lines().count() as u64 - 1;
         if mixed.is_empty() {

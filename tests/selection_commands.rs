@@ -4,7 +4,8 @@
 
 mod desk;
 
-use calipose::plan::{Chooser, survey};
+use calipose::plan::choose::Chooser;
+use calipose::plan::survey::survey;
 use calipose::problem::Problem;
 use desk::Desk;
 use serde_json::{Value, json};

@@ -11,7 +11,10 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use calipose::information::Criterion;
-use calipose::plan::{BrokenConstraint, CertifyError, Chooser, Confirmed, Plan, Survey, candidates, certify, make};
+use calipose::plan::assess::{BrokenConstraint, CertifyError, Confirmed, certify};
+use calipose::plan::choose::{Chooser, make};
+use calipose::plan::document::Plan;
+use calipose::plan::survey::{Survey, candidates};
 use calipose::problem::{JointRegion, PoseGroup, Problem, ProblemError};
 use calipose::robot::Limits;
 use desk::Desk;

@@ -39,9 +39,9 @@ const VIRTUAL_HALF_ANGLE: f64 = 0.2;
 ///
 /// # Errors
 /// [`CalibrationError::NoStart`] with the view for which no pose could be found; inconsistent arguments as for
-/// [`super::calibrate`].
+/// [`crate::calibration::calibrate`].
 pub fn start(observations: &Observations, nominal: &Camera, estimated: &[usize]) -> Result<Start, CalibrationError> {
-    super::check_problem(observations, nominal, estimated)?;
+    crate::calibration::check_problem(observations, nominal, estimated)?;
     let unknown = Unknown::new(observations, nominal, estimated);
     if nominal.lens() == Lens::KannalaBrandt { unknown.by_focal_ladder() } else { unknown.by_closed_form() }
 }

@@ -1,8 +1,8 @@
 //! Whether the machine has the memory that a run would take.
 
-use super::failure::Failure;
-use super::screen::Screen;
-use crate::plan::forecast_bytes;
+use super::output::Screen;
+use super::output::failure::Failure;
+use crate::plan::survey::forecast_bytes;
 use crate::problem::Problem;
 
 /// What is warned of where the machine does not say what it has, in bytes.

@@ -4,42 +4,28 @@
 //! wrong; 3 the problem file, plan or file of observations was refused; 4 done, but the result is bad; 70 a bug in calipose;
 //! 130, 143, 129 interrupted by Ctrl-C, a termination or a hang-up.
 
-mod calibrate;
-mod certify;
-mod check;
-mod collision;
-mod compare;
-mod completions;
-mod error_document;
-mod explain;
-mod failure;
-mod init;
+mod command;
 mod interrupt;
+mod loaded_plan;
 mod memory;
-mod next;
-mod plan;
-mod planned;
-mod polish;
-mod progress;
-mod reach;
-mod screen;
+mod output;
 mod searching;
-mod sweep;
-mod verdict;
-mod verify;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
-use failure::Failure;
-use screen::Screen;
-use verdict::Verdict;
+use command::{
+    calibrate, certify, check, compare, completions, explain, init, next, plan, polish, reach, sweep, verify,
+};
+use output::Screen;
+use output::failure::Failure;
+use output::verdict::Verdict;
 
 use crate::information::Criterion;
+use crate::problem::Method;
 use crate::problem::Problem;
-use crate::selection::Method;
 
 /// Plans the robot poses that calibrate a camera best, with a certificate of how far from optimal they can be.
 #[derive(Debug, Parser)]

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use super::interrupt;
-use super::screen::Screen;
+use super::output::Screen;
 use crate::problem::Problem;
 use crate::selection::SearchProgress;
 

@@ -2,13 +2,13 @@
 //!
 //! | file | module | read | written |
 //! |---|---|---|---|
-//! | mrcal's corners, vnl | `vnl` | yes | |
-//! | calipose's own observations, JSON | `observations` | yes | |
-//! | ROS `camera_info`, YAML | `ros` | yes | yes |
-//! | OpenCV `FileStorage`, YAML and JSON | `opencv` | yes | yes |
-//! | the same, XML | `opencv_xml` | yes | |
-//! | mrcal's cameramodel | `mrcal` | yes | yes |
-//! | Kalibr's camchain, YAML | `kalibr` | yes | yes |
+//! | mrcal's corners, vnl | `detections::vnl` | yes | |
+//! | calipose's own observations, JSON | `detections::observations` | yes | |
+//! | ROS `camera_info`, YAML | `camera::ros` | yes | yes |
+//! | OpenCV `FileStorage`, YAML and JSON | `camera::opencv` | yes | yes |
+//! | the same, XML | `camera::opencv_xml` | yes | |
+//! | mrcal's cameramodel | `camera::mrcal` | yes | yes |
+//! | Kalibr's camchain, YAML | `camera::kalibr` | yes | yes |
 //! | robots, URDF and SRDF | `urdf` | yes | |
 //! | meshes, STL, OBJ and COLLADA | `mesh` | yes | |
 //!
@@ -16,24 +16,13 @@
 //! parser reads them all and remembers the lines for [`ReadError`].
 
 mod camera;
-mod coefficients;
 mod detections;
 mod error;
 mod file;
-mod images;
-mod kalibr;
-mod matrix;
 mod mesh;
-mod mrcal;
 mod number;
-mod observations;
-mod opencv;
-mod opencv_xml;
-mod ros;
 mod tree;
-mod unsupported;
 mod urdf;
-mod vnl;
 mod xml;
 
 pub use camera::{CameraFormat, StatedCamera, WriteError, read_camera};

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::set::InformationSet;
+use crate::selection::InformationSet;
 use crate::spatial::Pose;
 
 /// What varies between views: tilt of the board about the camera's x and y (rad), and the logarithm of its distance (m).
@@ -74,7 +74,7 @@ mod tests {
     use nalgebra::UnitQuaternion;
 
     use super::*;
-    use crate::information::packed::log_det;
+    use crate::selection::packed::log_det;
 
     /// Views spread over angle and distance score higher than the same number at one angle.
     #[test]
@@ -90,7 +90,7 @@ mod tests {
         assert_eq!(model.monomials().len(), 10);
         let value = |selected: &[usize]| {
             let mut total = set.total(&set.mean(), selected);
-            assert!(crate::information::packed::cholesky(&mut total, 10));
+            assert!(crate::selection::packed::cholesky(&mut total, 10));
             log_det(&total, 10)
         };
         assert!(value(&[0, 2, 6, 8, 18, 20, 24, 26, 13, 4]) > value(&[13; 10]) + 1.0);

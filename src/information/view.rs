@@ -3,9 +3,9 @@
 use nalgebra::{Matrix2x6, Point3};
 use rayon::prelude::*;
 
-use super::packed::packed_len;
-use super::set::InformationSet;
 use crate::camera::{Camera, MAX_INTRINSICS};
+use crate::selection::InformationSet;
+use crate::selection::packed::packed_len;
 use crate::spatial::{Pose, skew};
 use crate::target::Corners;
 
@@ -177,7 +177,7 @@ mod tests {
 
     use super::*;
     use crate::camera::Lens;
-    use crate::information::packed::unpack;
+    use crate::selection::packed::unpack;
     use crate::spatial::{Tangent, perturb};
     use crate::target::Board;
 

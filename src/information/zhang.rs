@@ -3,8 +3,8 @@
 use nalgebra::{Matrix2, Matrix2x6, Matrix5, SMatrix, Vector3, Vector6};
 use rayon::prelude::*;
 
-use super::set::InformationSet;
 use super::view::Measurement;
+use crate::selection::InformationSet;
 use crate::spatial::Pose;
 use crate::target::Corners;
 
@@ -92,7 +92,7 @@ mod tests {
 
     use super::*;
     use crate::camera::{Camera, Lens};
-    use crate::information::packed::unpack;
+    use crate::selection::packed::unpack;
 
     /// Homographies of noisy corners, by linearised least squares about the true one; b by weighted least squares with the
     /// `Σ_i` of the definition. Its scatter is the inverse of the sum of the views' matrices.

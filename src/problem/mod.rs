@@ -3,26 +3,20 @@
 //! A problem file is TOML. [`schema_json`] describes its keys, [`STARTER`] is one to start from, [`Problem::read`] checks
 //! one and builds the models. Everything wrong with a file is a [`Fault`] with its line, column and key.
 
-mod bodies;
-mod choosing;
-mod document;
 mod draft;
-mod error;
 mod fault;
-mod json_schema;
-mod named;
+mod method;
 mod note;
 mod resolve;
 mod schema;
-mod shape;
 mod step;
-mod syntax;
+mod text;
 
 pub use draft::{DraftError, draft};
-pub use error::ProblemError;
-pub use fault::{Allowed, Fault, Reason};
-pub use json_schema::schema_json;
+pub use fault::{Allowed, Fault, ProblemError, Reason};
+pub use method::Method;
 pub use note::Note;
+pub use schema::schema_json;
 pub use step::StepError;
 
 use std::path::{Path, PathBuf};
@@ -36,7 +30,6 @@ use crate::feasibility::{Checks, Stability, VisibilityLimits};
 use crate::formats::read_at_most;
 use crate::information::Criterion;
 use crate::robot::{Limits, Robot};
-use crate::selection::Method;
 use crate::sweep::{AxisRule, JointSpace};
 use crate::target::Target;
 
@@ -240,7 +233,7 @@ impl Problem {
     /// When the text says something impossible.
     pub fn parse(text: &str, path: &Path) -> Result<Self, ProblemError> {
         let sha256 = Sha256::digest(text).iter().fold(String::new(), |hex, byte| format!("{hex}{byte:02x}"));
-        let problem = match syntax::read(text) {
+        let problem = match text::read(text) {
             Ok((document, file)) => resolve::resolve(&document, &file, path, sha256),
             Err(fault) => Err(vec![*fault]),
         };

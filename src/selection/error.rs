@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::information::InformationError;
+use super::InformationError;
 
 /// Why nothing can be selected.
 #[derive(Debug, Clone, PartialEq, Error)]

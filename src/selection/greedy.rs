@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::error::SelectionError;
 use super::instance::Instance;
-use super::packing::{EFFORT, packing};
+use super::instance::{EFFORT, packing};
 
 /// Information assumed before the first pick, as a share of k average views: keeps log Φ finite until the picks
 /// determine every parameter, and too little to weigh once they do.
@@ -196,7 +196,7 @@ pub(super) fn highest(scores: &[f64], eligible: impl Fn(usize) -> bool, most: us
 mod tests {
     use proptest::prelude::*;
 
-    use super::highest;
+    use crate::selection::greedy::highest;
 
     proptest! {
         #[test]

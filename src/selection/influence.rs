@@ -116,7 +116,7 @@ mod tests {
     use rand_xoshiro::Xoshiro256Plus;
 
     use super::*;
-    use crate::information::InformationSet;
+    use crate::selection::InformationSet;
     use crate::selection::{Cap, Constraints, InformationFunction, Separation, Term};
 
     /// Every replacement tried, by every function, with and without constraints.

@@ -17,19 +17,19 @@
 //! cones, takes every information function in the same form, is scaled by B at every step, so that units do not matter, and
 //! starts where it left off when columns join. The multipliers of the caps are the certificate's prices.
 //!
-//! A function with kinks is approached through its [softened](super::InformationFunction::softened) stand-ins, ever less
+//! A function with kinks is approached through its [softened](crate::selection::InformationFunction::softened) stand-ins, ever less
 //! soft: the central path of an interior-point method. The certificate is always that of the function itself.
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
 use super::certificate::Certificate;
-use super::curvature::Curvature;
+use super::function::Curvature;
 use super::function::Gradient;
 use super::greedy::highest;
 use super::instance::Instance;
-use super::node::greatest;
-use crate::information::packed::dot;
+use super::packed::dot;
+use super::search::greatest;
 
 /// When to stop, and how many columns to carry.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,10 +4,9 @@ use nalgebra::{Point2, Point3, Vector3};
 
 use super::{Check, LENGTH, NOT_NEGATIVE, SIZE};
 use crate::feasibility::Stability;
-use crate::problem::bodies;
-use crate::problem::document::KeyPath;
 use crate::problem::fault::{Allowed, Reason};
-use crate::problem::shape::Numbers;
+use crate::problem::schema::{self, Numbers};
+use crate::problem::text::KeyPath;
 use crate::robot::{Body, PointMass, Shape, Tree};
 use crate::spatial::Pose;
 use crate::target::Target;
@@ -22,7 +21,7 @@ pub(super) type Links<'n> = Vec<(&'n str, usize)>;
 
 impl Check<'_, '_> {
     /// Attaches `robot.bodies` to the tree.
-    pub(super) fn bodies(&mut self, bodies: &[bodies::Body], links: &Links, tree: &mut Tree) {
+    pub(super) fn bodies(&mut self, bodies: &[schema::Body], links: &Links, tree: &mut Tree) {
         for (i, body) in bodies.iter().enumerate() {
             let at = KeyPath::section("robot").key("bodies").at(i);
             if body.link.is_none() {
@@ -37,7 +36,7 @@ impl Check<'_, '_> {
     }
 
     /// Attaches `robot.masses` to the tree; those of one link add up.
-    pub(super) fn masses(&mut self, masses: &[bodies::Mass], links: &Links, tree: &mut Tree) {
+    pub(super) fn masses(&mut self, masses: &[schema::Mass], links: &Links, tree: &mut Tree) {
         for (i, mass) in masses.iter().enumerate() {
             let at = KeyPath::section("robot").key("masses").at(i);
             let link = self.link(&at.key("link"), &mass.link, links);
@@ -56,7 +55,7 @@ impl Check<'_, '_> {
     }
 
     /// Attaches the camera's housing to link `flange`, with the camera at `X_FC` on it.
-    pub(super) fn housing(&mut self, housing: &bodies::Body, X_FC: Pose, flange: usize, tree: &mut Tree) {
+    pub(super) fn housing(&mut self, housing: &schema::Body, X_FC: Pose, flange: usize, tree: &mut Tree) {
         let at = KeyPath::section("camera").key("housing");
         if housing.link.is_some() {
             let reason = Reason::NotApplicable {
@@ -82,7 +81,7 @@ impl Check<'_, '_> {
     }
 
     /// The clearance in m; the pairs to ignore join those disabled in the tree.
-    pub(super) fn collision(&mut self, collision: &bodies::Collision, tree: Option<&mut Tree>) -> f64 {
+    pub(super) fn collision(&mut self, collision: &schema::Collision, tree: Option<&mut Tree>) -> f64 {
         let at = KeyPath::section("collision");
         let clearance = self.length(&at.key("clearance_mm"), collision.clearance_mm, NOT_NEGATIVE);
         let Some(tree) = tree else { return clearance };
@@ -106,7 +105,7 @@ impl Check<'_, '_> {
     /// The test for stability, or none if none is asked for or something is wrong with it.
     pub(super) fn stability(
         &mut self,
-        stability: Option<&bodies::Stability>,
+        stability: Option<&schema::Stability>,
         tree: Option<&Tree>,
     ) -> Option<Stability> {
         let stability = stability?;
@@ -148,7 +147,7 @@ impl Check<'_, '_> {
         None
     }
 
-    pub(super) fn body(&mut self, at: &KeyPath, body: &bodies::Body) -> Option<Body> {
+    pub(super) fn body(&mut self, at: &KeyPath, body: &schema::Body) -> Option<Body> {
         let faults = self.faults.len();
         let X_LG = self.pose(&at.key("pose"), &body.pose);
         let given = [

@@ -5,9 +5,9 @@ use std::path::Path;
 use super::Check;
 use crate::camera::{Camera, Lens};
 use crate::formats::{FileReadError, ReadFault, StatedCamera, read_camera_file};
-use crate::problem::document::KeyPath;
 use crate::problem::fault::{Allowed, Reason};
 use crate::problem::schema;
+use crate::problem::text::KeyPath;
 
 /// Image sides in px.
 const IMAGE_SIDE: Allowed = Allowed::between(1.0, 100_000.0);

@@ -2,22 +2,23 @@
 
 mod bodies;
 mod camera;
-mod described;
-mod robot;
+mod dh_table;
 mod scene;
 mod selection;
 mod sweep;
 mod target;
+mod urdf;
 
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 use nalgebra::{Quaternion, UnitQuaternion};
 
-use super::document::{Document, KeyPath};
 use super::fault::{Allowed, Fault, Reason};
-use super::shape::Numbers;
-use super::{Note, Problem, schema, syntax};
+use super::schema::Numbers;
+use super::text;
+use super::text::{Document, KeyPath};
+use super::{Note, Problem, schema};
 use crate::calibration::FEWEST_CORNERS;
 use crate::camera::{Camera, Lens};
 use crate::feasibility::VisibilityLimits;
@@ -115,7 +116,7 @@ struct Check<'d, 'a> {
 
 impl Check<'_, '_> {
     fn fault(&mut self, path: &KeyPath, reason: Reason) {
-        self.faults.push(syntax::fault(self.document, path, reason));
+        self.faults.push(text::fault(self.document, path, reason));
     }
 
     /// What the user should know about the key at `path`, or the file it names.

@@ -1,9 +1,9 @@
 //! What stands around the robot.
 
 use super::Check;
-use crate::problem::bodies;
-use crate::problem::document::KeyPath;
 use crate::problem::fault::Reason;
+use crate::problem::schema;
+use crate::problem::text::KeyPath;
 use crate::robot::Robot;
 use crate::spatial::Pose;
 
@@ -12,7 +12,7 @@ const RESERVED: [&str; 2] = ["camera", "board"];
 
 impl Check<'_, '_> {
     /// Puts the obstacles of `scene` around `robot`: links of its tree, fixed to the root, in the root's frame.
-    pub(super) fn scene(&mut self, scene: &bodies::Scene, mut robot: Option<&mut Robot>) {
+    pub(super) fn scene(&mut self, scene: &schema::Scene, mut robot: Option<&mut Robot>) {
         let own = robot.as_ref().map_or(0, |robot| robot.tree.links.len());
         for (i, obstacle) in scene.bodies.iter().enumerate() {
             let at = KeyPath::section("scene").key("bodies").at(i);

@@ -3,15 +3,14 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use super::super::choosing;
-use super::super::document::KeyPath;
-use super::super::fault::{Allowed, Reason};
-use super::super::schema;
-use super::super::shape::{Numbers, Range, TextOrTable};
-use super::super::{Accuracy, JointRegion, PoseConstraints, PoseGroup, SelectionSettings};
 use super::{Check, owned, si};
 use crate::camera::Camera;
 use crate::information::{Criterion, pixel_units};
+use crate::problem::fault::{Allowed, Reason};
+use crate::problem::schema;
+use crate::problem::schema::{Numbers, Range, TextOrTable};
+use crate::problem::text::KeyPath;
+use crate::problem::{Accuracy, JointRegion, PoseConstraints, PoseGroup, SelectionSettings};
 use crate::robot::{Joint, JointKind, Limits};
 
 /// Key of the map error among the accuracies.
@@ -27,7 +26,7 @@ const VAGUEST: f64 = 1e9;
 const KNOWN: f64 = 1e-4;
 
 impl Check<'_, '_> {
-    pub(super) fn selection(&mut self, selection: &choosing::Selection, estimated: &[&str]) -> SelectionSettings {
+    pub(super) fn selection(&mut self, selection: &schema::Selection, estimated: &[&str]) -> SelectionSettings {
         let at = KeyPath::section("selection");
         let time_limit = self.number(&at.key("time_limit_s"), selection.time_limit_s, Allowed::between(0.0, 1e6));
         let nodes = Allowed::between(0.0, 1e12);
@@ -47,7 +46,7 @@ impl Check<'_, '_> {
     fn criteria(
         &mut self,
         path: &KeyPath,
-        criterion: &TextOrTable<super::super::named::Named<Criterion>, BTreeMap<String, f64>>,
+        criterion: &TextOrTable<crate::problem::schema::Named<Criterion>, BTreeMap<String, f64>>,
     ) -> Vec<(Criterion, f64)> {
         let shares = match criterion {
             TextOrTable::Text(criterion) => return vec![(criterion.0, 1.0)],
@@ -123,7 +122,7 @@ impl Check<'_, '_> {
         known
     }
 
-    pub(super) fn constraints(&mut self, constraints: &choosing::Constraints, joints: &[Joint]) -> PoseConstraints {
+    pub(super) fn constraints(&mut self, constraints: &schema::Constraints, joints: &[Joint]) -> PoseConstraints {
         let at = KeyPath::section("constraints");
         let ids = |ids: &[u64]| ids.iter().map(|&id| id as usize).collect::<Vec<_>>();
         let required = ids(&constraints.require);

@@ -1,9 +1,9 @@
 //! The joint configurations to sweep.
 
 use super::{Check, file_unit};
-use crate::problem::document::KeyPath;
 use crate::problem::fault::{Allowed, Reason};
-use crate::problem::shape::NumberOrList;
+use crate::problem::schema::NumberOrList;
+use crate::problem::text::KeyPath;
 use crate::problem::{PublishedSweep, Refinement, most_configurations, schema};
 use crate::robot::{Joint, JointKind, Limits, Robot, Span};
 use crate::sweep::{HaltonSample, JointGrid, JointSpace};

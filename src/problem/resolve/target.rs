@@ -3,9 +3,9 @@
 use std::ops::Bound;
 
 use super::{Check, SIZE};
-use crate::problem::document::KeyPath;
 use crate::problem::fault::{Allowed, Reason};
 use crate::problem::schema;
+use crate::problem::text::KeyPath;
 use crate::target::{Board, Target, Zone};
 
 /// Corners along one side. A homography needs four points, two by two.

@@ -1,0 +1,219 @@
+//! `calipose calibrate`.
+
+mod fit;
+mod judgement;
+mod parameters;
+mod report;
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use fit::{fit, other_lens, unknown_camera};
+use parameters::ParameterArguments;
+use report::Report;
+
+use crate::camera::{Camera, Lens};
+use crate::cli::by_name;
+use crate::cli::interrupt::writing;
+use crate::cli::output::Screen;
+use crate::cli::output::failure::Failure;
+use crate::cli::output::verdict::Verdict;
+use crate::formats::{CameraFormat, Detections, Stated, read_detections_file};
+use crate::plan::results::{probe, write_together};
+use crate::problem::{Accuracy, Problem};
+use crate::target::Board;
+
+#[derive(Debug, Args)]
+pub(crate) struct CalibrateArguments {
+    /// Detected corners: mrcal's vnl, or calipose's JSON
+    observations: PathBuf,
+    /// Problem file that says board, image size, lens and what to estimate
+    #[arg(long, conflicts_with_all = ["board", "square", "image", "lens"])]
+    problem: Option<PathBuf>,
+    /// Inner corners of the board along x and y
+    #[arg(long, value_name = "COLUMNSxROWS", value_parser = board_size, requires = "square")]
+    board: Option<[u32; 2]>,
+    /// Distance of neighbouring corners in mm
+    #[arg(long = "square-mm", value_name = "MM", value_parser = length, requires = "board")]
+    square: Option<f64>,
+    /// Size of the images in px
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = image_size)]
+    image: Option<[u32; 2]>,
+    /// Lens model [default: brown-conrady]
+    #[arg(long, value_parser = by_name(&Lens::ALL, Lens::name))]
+    lens: Option<Lens>,
+    #[command(flatten)]
+    parameters: ParameterArguments,
+    /// Take the images with such a name only, `*` for any text, as in '*cam0*'
+    #[arg(long, value_name = "PATTERN")]
+    images: Option<String>,
+    /// Map error to judge the camera by, in px [default: the problem file's accuracy, else 1]
+    #[arg(long = "map-error-px", value_name = "PX", value_parser = map_error)]
+    map_error: Option<f64>,
+    /// How much a corner's error counts; huber and cauchy withstand outliers
+    #[arg(long, default_value = "squared")]
+    loss: LossName,
+    /// Folder for the camera files and calibration.json
+    #[arg(long, short, default_value = "calibration")]
+    output: PathBuf,
+    /// Format of the camera file
+    #[arg(long, default_value = "all")]
+    camera_format: FormatName,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum LossName {
+    Squared,
+    Huber,
+    Cauchy,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum FormatName {
+    Ros,
+    #[value(name = "opencv")]
+    OpenCv,
+    #[value(name = "opencv-json")]
+    OpenCvJson,
+    Mrcal,
+    Kalibr,
+    All,
+}
+
+pub(crate) fn run(arguments: &CalibrateArguments, screen: &mut Screen) -> Result<Verdict, Failure> {
+    let setting = Setting::read(arguments)?;
+    let path = &arguments.observations;
+    let found = read_detections_file(path, &setting.stated)
+        .map_err(|error| Failure::Observations { path: path.clone(), error })?;
+    let Detections { observations, names, .. } = &found;
+    let (nominal, estimated, is_known) = if let Some(Problem { camera, estimated, .. }) = &setting.problem {
+        (camera.clone(), estimated.clone(), true)
+    } else {
+        let camera = unknown_camera(arguments.lens.unwrap_or(Lens::BrownConrady), observations)?;
+        let all = (0..camera.intrinsics().len()).collect();
+        (camera, all, false)
+    };
+    let model = arguments.parameters.model(&nominal, &estimated, is_known)?;
+    let formats = formats(arguments.camera_format, &nominal)?;
+    probe(&arguments.output)?;
+    let bar = screen.progress("calibrating", 1);
+    let calibrated = fit(observations, &model, arguments.loss);
+    let other = other_lens(observations, nominal.lens());
+    bar.finish_and_clear();
+    let calibration = calibrated.map_err(|error| Failure::Calibration {
+        error: Box::new(error),
+        path: path.clone(),
+        names: names.clone(),
+        fits: other.map(|other| (other.lens.name(), other.rms)),
+    })?;
+
+    let report = Report::new(&found, &calibration, other, &setting.wished, arguments.loss);
+    let document = report.document();
+    let mut files = vec![("calibration.json", format!("{document:#}\n").into_bytes())];
+    let mut left_out = String::new();
+    for format in formats {
+        match format.write(&calibration.camera) {
+            Ok(text) => files.push((format.file_name(), text.into_bytes())),
+            Err(error) if arguments.camera_format == FormatName::All => {
+                left_out += &format!("\nNot written: {}, because {error}.", format.file_name());
+            }
+            Err(error) => return Err(Failure::Usage(error.to_string())),
+        }
+    }
+    // Camera files beside an older calibration are of that.
+    let is_ours = arguments.output.join("calibration.json").exists();
+    let stale: Vec<&str> = CameraFormat::ALL.iter().filter(|_| is_ours).map(|format| format.file_name()).collect();
+    writing(|| write_together(&arguments.output, &files, &stale))?;
+    screen.document(&document.to_string())?;
+    let written: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
+    let (folder, written) = (arguments.output.display(), written.join(", "));
+    screen.text(&format!("{}\nWritten to {folder}: {written}.{left_out}", report.text()))?;
+    Ok(Verdict::good_if(!report.is_bad()))
+}
+
+/// What the command line and the problem file say.
+struct Setting {
+    stated: Stated,
+    problem: Option<Problem>,
+    wished: Vec<Wish>,
+}
+
+/// An accuracy wished for: px of map error, or the standard deviation of an intrinsic.
+#[derive(Debug, Clone, Copy)]
+enum Wish {
+    MapError(f64),
+    Sigma { intrinsic: usize, sigma: f64 },
+}
+
+impl Setting {
+    fn read(arguments: &CalibrateArguments) -> Result<Self, Failure> {
+        let problem = arguments.problem.as_deref().map(Problem::read).transpose()?;
+        let images = arguments.images.clone();
+        let stated = if let Some(Problem { camera, target, .. }) = &problem {
+            Stated { board: Some(target.board), image: Some([camera.width(), camera.height()]), images }
+        } else {
+            let board = arguments.board.zip(arguments.square).map(|([columns, rows], square)| Board {
+                columns: columns as usize,
+                rows: rows as usize,
+                square: square / 1e3,
+            });
+            Stated { board, image: arguments.image, images }
+        };
+        let wish = |problem: &Problem, &(accuracy, wished): &(Accuracy, f64)| match accuracy {
+            Accuracy::MapError => Some(Wish::MapError(wished)),
+            Accuracy::Intrinsic(j) => {
+                problem.estimated.get(j).map(|&intrinsic| Wish::Sigma { intrinsic, sigma: wished })
+            }
+        };
+        let mut wished: Vec<Wish> = problem
+            .iter()
+            .flat_map(|problem| problem.selection.accuracies.iter().filter_map(|accuracy| wish(problem, accuracy)))
+            .collect();
+        if let Some(map_error) = arguments.map_error {
+            wished.retain(|wish| !matches!(wish, Wish::MapError(_)));
+            wished.push(Wish::MapError(map_error));
+        }
+        Ok(Self { stated, problem, wished })
+    }
+}
+
+/// The formats to write: one, which must know the lens, or all.
+fn formats(name: FormatName, camera: &Camera) -> Result<Vec<CameraFormat>, Failure> {
+    let one = match name {
+        FormatName::Ros => CameraFormat::Ros,
+        FormatName::OpenCv => CameraFormat::OpenCv,
+        FormatName::OpenCvJson => CameraFormat::OpenCvJson,
+        FormatName::Mrcal => CameraFormat::Mrcal,
+        FormatName::Kalibr => CameraFormat::Kalibr,
+        FormatName::All => return Ok(CameraFormat::ALL.to_vec()),
+    };
+    match one.write(camera) {
+        Ok(_) => Ok(vec![one]),
+        Err(error) => Err(Failure::Usage(error.to_string())),
+    }
+}
+
+fn board_size(text: &str) -> Result<[u32; 2], String> {
+    pair(text, 2, 1000, "8x6")
+}
+
+fn image_size(text: &str) -> Result<[u32; 2], String> {
+    pair(text, 1, 100_000, "1280x720")
+}
+
+fn pair(text: &str, min: u32, max: u32, example: &str) -> Result<[u32; 2], String> {
+    let number = |text: &str| text.parse().ok().filter(|x| (min..=max).contains(x));
+    let parsed = text.split_once('x').and_then(|(a, b)| Some([number(a)?, number(b)?]));
+    parsed.ok_or_else(|| format!("must be two whole numbers from {min} to {max}, as in {example}"))
+}
+
+fn length(text: &str) -> Result<f64, String> {
+    let parsed = text.parse().ok().filter(|x| (1e-3..=1e6).contains(x));
+    parsed.ok_or_else(|| "must be a number from 0.001 to 1000000".into())
+}
+
+fn map_error(text: &str) -> Result<f64, String> {
+    let parsed = text.parse().ok().filter(|x: &f64| *x > 0.0 && x.is_finite());
+    parsed.ok_or_else(|| "must be a positive number".into())
+}

@@ -1,0 +1,83 @@
+//! `calipose certify`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::json;
+
+use crate::cli::loaded_plan::Planned;
+use crate::cli::output::failure::Failure;
+use crate::cli::output::{Screen, grouped, short};
+use crate::plan::assess::{CertifyError, Unchecked, certify};
+
+#[derive(Debug, Args)]
+pub(crate) struct CertifyArguments {
+    /// Plan, as `calipose plan` wrote it
+    plan: PathBuf,
+    /// Problem file [default: the one that run.json beside the plan names]
+    #[arg(long)]
+    problem: Option<PathBuf>,
+}
+
+pub(crate) fn run(arguments: &CertifyArguments, screen: &mut Screen) -> Result<(), Failure> {
+    let planned = Planned::open(&arguments.plan, arguments.problem.as_deref())?;
+    let refused = |error: CertifyError| Failure::Certify { path: arguments.plan.clone(), error: Box::new(error) };
+    planned.plan.fit(&planned.problem).map_err(|error| refused(error.into()))?;
+    let planned = planned.asked();
+    let survey = planned.survey(screen)?;
+    let Planned { plan, problem, text, .. } = &planned;
+    let mut confirmed = certify(plan, problem, &survey).map_err(refused)?;
+    confirmed.unchecked.extend(Unchecked::unknown(text, plan));
+    planned.among_its_own(&arguments.plan, &[])?;
+    screen.document(
+        &json!({
+            "format": "calipose.certified",
+            "version": 1,
+            "problem": { "name": plan.problem.name, "sha256": plan.problem.sha256 },
+            "criterion": plan.criterion,
+            "count": plan.count,
+            "candidates": confirmed.candidates,
+            "value": confirmed.value,
+            "bound": confirmed.bound,
+            "efficiency": confirmed.efficiency,
+            "least_count": confirmed.least,
+            "tolerance": confirmed.tolerance,
+            "not_checked": confirmed
+                .unchecked
+                .iter()
+                .map(|unchecked| json!({ "field": unchecked.field, "reason": unchecked.reason }))
+                .collect::<Vec<_>>(),
+        })
+        .to_string(),
+    )?;
+    let mut text = format!(
+        "{}: the certificate holds. Criterion `{}`, {} poses: value {}, bound {} over all {} candidates, certified efficiency \
+         {:.4}.\nEvery field of the plan was recomputed from the problem file and the plan's matrix, and agrees to {:.0e}, \
+         but for those below.",
+        plan.problem.name,
+        plan.criterion,
+        plan.count,
+        short(confirmed.value),
+        short(confirmed.bound),
+        grouped(confirmed.candidates),
+        confirmed.efficiency,
+        confirmed.tolerance,
+    );
+    if let Some(fewest) = &plan.fewest {
+        text += &match (confirmed.least, &fewest.refutation) {
+            (Some(least), _) => format!("\n{} poses are proven not to reach the accuracy.", least - 1),
+            (None, Some(_)) => {
+                format!("\nThat {} poses do not reach the accuracy was found by search.", fewest.least - 1)
+            }
+            (None, None) => String::new(),
+        };
+    }
+    if plan.search.is_some() {
+        text += "\nThe plan claims more than its matrix: a bound found by search, which `calipose plan` repeats.";
+    }
+    for same_reason in confirmed.unchecked.chunk_by(|a, b| a.reason == b.reason) {
+        let fields: Vec<String> = same_reason.iter().map(|unchecked| format!("`{}`", unchecked.field)).collect();
+        text += &format!("\nNot checked: {}: {}.", fields.join(", "), same_reason[0].reason);
+    }
+    screen.text(&text)
+}

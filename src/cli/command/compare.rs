@@ -1,0 +1,193 @@
+//! `calipose compare`.
+
+use std::collections::BTreeMap;
+
+use clap::Args;
+use serde_json::{Value, json};
+
+use crate::cli::output::failure::Failure;
+use crate::cli::output::{Screen, short, table};
+use crate::cli::{Overrides, number_of, trials};
+use crate::plan::assess::{Equivalent, Row, compare, equivalent_kmeans, verify};
+use crate::plan::choose::{Choice, Chooser};
+use crate::plan::survey::{Survey, candidates};
+use crate::problem::Method;
+use crate::problem::Problem;
+use crate::verification::{Disturbance, MonteCarlo};
+
+#[derive(Debug, Args)]
+pub(crate) struct CompareArguments {
+    #[command(flatten)]
+    problem: Overrides,
+    /// Numbers of poses [default: the file's, half as many again, and twice as many]
+    #[arg(long, short = 'k', value_delimiter = ',', value_parser = number_of(false), allow_hyphen_values = true)]
+    counts: Vec<usize>,
+    /// Seeds for the methods that depend on one; their medians are shown
+    #[arg(long, default_value_t = 5, value_parser = number_of(false))]
+    seeds: usize,
+    /// Number of simulated calibrations per row for the measured columns; 0 for none
+    #[arg(long, default_value_t = 50, value_parser = trials())]
+    trials: usize,
+    /// Most poses to try for the k-means that equals the plan
+    #[arg(long, default_value_t = 400, value_parser = number_of(false))]
+    limit: usize,
+}
+
+pub(crate) fn run(arguments: &CompareArguments, screen: &mut Screen) -> Result<(), Failure> {
+    if arguments.seeds > 1000 {
+        return Err(Failure::Usage("--seeds must be from 1 to 1000".into()));
+    }
+    let problem = arguments.problem.problem()?;
+    let bar = screen.progress("sweeping", problem.space.len());
+    let surveyed = candidates(&problem, &|swept| bar.inc(swept as u64));
+    bar.finish_and_clear();
+    let survey = surveyed?;
+
+    let k = problem.selection.count;
+    let counts = if arguments.counts.is_empty() {
+        let mut counts = vec![k, k + k.div_ceil(2), 2 * k];
+        counts.retain(|&count| count == k || count <= survey.views.len());
+        counts
+    } else {
+        arguments.counts.clone()
+    };
+    let chooser = Chooser::new(&problem, &survey)?;
+    // The exact search may take minutes, and chooses what `best` does or a little better.
+    let methods: Vec<Method> = Method::ALL.into_iter().filter(|&method| method != Method::Exact).collect();
+    let bar = screen.progress("comparing", methods.len() * counts.len());
+    let compared = compare(&chooser, &methods, &counts, problem.selection.seed, arguments.seeds, &mut || bar.inc(1));
+    bar.finish_and_clear();
+    let comparison = compared?;
+
+    let bar = screen.progress("k-means", 2 * counts.len());
+    let mut equivalents = Vec::new();
+    let limit = arguments.limit.min(survey.views.len());
+    for &count in &counts {
+        let best = comparison.rows.iter().find(|row| row.method == Method::Best && row.choice.selected.len() == count);
+        let map_error = best.map_or(f64::INFINITY, |row| row.choice.map_error);
+        for method in [Method::KMeansJoints, Method::KMeansPositions] {
+            let seed = problem.selection.seed;
+            let found = equivalent_kmeans(&chooser, method, map_error, count, limit, seed, arguments.seeds);
+            bar.inc(1);
+            equivalents.push((count, found?));
+        }
+    }
+    bar.finish_and_clear();
+
+    let bar = screen.progress("measuring", comparison.rows.len());
+    let measured: Vec<Option<MonteCarlo>> = comparison
+        .rows
+        .iter()
+        .map(|row| {
+            bar.inc(1);
+            measure(&problem, &survey, &row.choice, arguments.trials)
+        })
+        .collect();
+    bar.finish_and_clear();
+
+    screen.document(&document(&problem, &chooser, &comparison.rows, &measured, &equivalents).to_string())?;
+    let rows = comparison.rows.iter().zip(&measured);
+    let rows: Vec<Vec<String>> =
+        rows.map(|(row, measured)| text_row(&problem, &chooser, row, measured.as_ref())).collect();
+    let focal: Vec<String> = principal(&problem).into_iter().map(|(_, name)| format!("sigma {name}")).collect();
+    let header: Vec<&str> = ["method", "poses", "value", "map error [px]", "measured", "failed"]
+        .into_iter()
+        .chain(focal.iter().map(String::as_str))
+        .chain(["efficiency", "time [ms]"])
+        .collect();
+    let sentences: Vec<String> = equivalents.iter().map(|(count, equivalent)| sentence(*count, equivalent)).collect();
+    screen.text(&format!(
+        "{}: criterion `{}`, {} views; medians over {} seeds; measured in {} simulated calibrations.\n\n{}\n\n{}",
+        problem.name,
+        chooser.criterion(),
+        survey.views.len(),
+        comparison.seeds,
+        arguments.trials,
+        table(&header, &rows),
+        sentences.join("\n"),
+    ))
+}
+
+/// Those of fx, fy, cx and cy that are estimated: place in the choice's list, and name.
+fn principal(problem: &Problem) -> Vec<(usize, &'static str)> {
+    problem.estimated_names().into_iter().enumerate().filter(|(i, _)| problem.estimated[*i] < 4).collect()
+}
+
+/// Simulated calibrations of a choice; `None` if none were asked for or nothing is predicted for it.
+fn measure(problem: &Problem, survey: &Survey, choice: &Choice, trials: usize) -> Option<MonteCarlo> {
+    if trials == 0 {
+        return None;
+    }
+    let configurations: Vec<Vec<f64>> = choice.selected.iter().map(|&i| survey.views[i].q.clone()).collect();
+    verify(problem, &configurations, &Disturbance::default(), trials, problem.selection.seed, &|_| {}).ok()
+}
+
+fn text_row(problem: &Problem, chooser: &Chooser, row: &Row, measured: Option<&MonteCarlo>) -> Vec<String> {
+    let sigma = |i: usize| row.choice.sigma.get(i).map_or("-".into(), |&s| short(s));
+    [row.method.name().to_owned(), row.choice.selected.len().to_string()]
+        .into_iter()
+        .chain([short(chooser.natural(row.choice.log_value)), short(row.choice.map_error)])
+        .chain([
+            measured.map_or("-".into(), |found| short(found.map_error.measured)),
+            measured.map_or("-".into(), |found| found.failures.len().to_string()),
+        ])
+        .chain(principal(problem).into_iter().map(|(i, _)| sigma(i)))
+        .chain([format!("{:.4}", row.efficiency), format!("{:.1}", row.time.as_secs_f64() * 1e3)])
+        .collect()
+}
+
+fn sentence(count: usize, equivalent: &Equivalent) -> String {
+    let feature = if equivalent.method == Method::KMeansJoints { "joints" } else { "camera positions" };
+    match equivalent.poses {
+        Some(poses) => format!("k-means on {feature} needs {poses} poses for what this plan does with {count}."),
+        None => format!(
+            "k-means on {feature} does not reach with {} poses what this plan does with {count}.",
+            equivalent.tried
+        ),
+    }
+}
+
+fn document(
+    problem: &Problem,
+    chooser: &Chooser,
+    rows: &[Row],
+    measured: &[Option<MonteCarlo>],
+    equivalents: &[(usize, Equivalent)],
+) -> Value {
+    let names = problem.estimated_names();
+    let row = |(row, measured): (&Row, &Option<MonteCarlo>)| {
+        let sigma: serde_json::Map<String, Value> =
+            names.iter().zip(&row.choice.sigma).map(|(name, sigma)| ((*name).to_owned(), json!(sigma))).collect();
+        json!({
+            "method": row.method.name(),
+            "count": row.choice.selected.len(),
+            "value": chooser.natural(row.choice.log_value),
+            "map_error_px": row.choice.map_error,
+            "sigma": sigma,
+            "measured": measured.as_ref().map(|found| json!({
+                "trials": found.count,
+                "failed": found.failures.len(),
+                "map_error_px": found.map_error.measured,
+                "sigma": found.parameters.iter().map(|p| (p.name, p.sampled_sigma)).collect::<BTreeMap<_, _>>(),
+            })),
+            "efficiency": row.efficiency,
+            "seconds": row.time.as_secs_f64(),
+        })
+    };
+    let equivalent = |(count, equivalent): &(usize, Equivalent)| {
+        json!({
+            "count": count,
+            "method": equivalent.method.name(),
+            "equivalent_count": equivalent.poses,
+            "tried": equivalent.tried,
+        })
+    };
+    json!({
+        "format": "calipose.comparison",
+        "version": 1,
+        "problem": { "name": problem.name, "sha256": problem.sha256 },
+        "criterion": chooser.criterion(),
+        "rows": rows.iter().zip(measured).map(row).collect::<Vec<_>>(),
+        "equivalents": equivalents.iter().map(equivalent).collect::<Vec<_>>(),
+    })
+}

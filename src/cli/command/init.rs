@@ -1,0 +1,33 @@
+//! `calipose init` and `schema`.
+
+use std::path::Path;
+
+use serde_json::json;
+
+use crate::cli::interrupt::writing;
+use crate::cli::output::Screen;
+use crate::cli::output::failure::Failure;
+use crate::plan::results::write_atomically;
+use crate::problem::{STARTER, draft, schema_json};
+
+pub(crate) fn run(file: Option<&Path>, urdf: Option<&Path>, screen: &mut Screen) -> Result<(), Failure> {
+    // A draft is called as the robot that it is of.
+    let named = urdf.map(|urdf| Path::new(urdf.file_name().unwrap_or_default()).with_extension("toml"));
+    let file = file.or(named.as_deref()).unwrap_or(Path::new("problem.toml"));
+    if file.exists() {
+        return Err(Failure::Exists(file.to_owned()));
+    }
+    let text = match urdf {
+        None => STARTER.to_owned(),
+        Some(urdf) => draft(urdf, file).map_err(|error| Failure::Draft { path: urdf.to_owned(), error })?,
+    };
+    writing(|| write_atomically(file, text.as_bytes()))?;
+    screen.document(&json!({ "format": "calipose.init", "version": 1, "file": file }).to_string())?;
+    let edit =
+        if urdf.is_some() { "Check its lines that say GUESS, replace those that say FILL IN" } else { "Edit it" };
+    screen.text(&format!("Written {0}. {edit}, then:\n  calipose check {0}\n  calipose plan {0}", file.display()))
+}
+
+pub(crate) fn schema(_screen: &mut Screen) -> Result<(), Failure> {
+    Screen::print(&format!("{:#}", schema_json()))
+}

@@ -1,0 +1,15 @@
+//! The commands, one file each.
+
+pub(crate) mod calibrate;
+pub(crate) mod certify;
+pub(crate) mod check;
+pub(crate) mod compare;
+pub(crate) mod completions;
+pub(crate) mod explain;
+pub(crate) mod init;
+pub(crate) mod next;
+pub(crate) mod plan;
+pub(crate) mod polish;
+pub(crate) mod reach;
+pub(crate) mod sweep;
+pub(crate) mod verify;

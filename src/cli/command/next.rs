@@ -1,0 +1,198 @@
+//! `calipose next`.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde_json::json;
+
+use super::plan::pose_table;
+use crate::calibration::{CalibrationSettings, calibrate};
+use crate::cli::interrupt::writing;
+use crate::cli::loaded_plan::Planned;
+use crate::cli::output::collision::untested_text;
+use crate::cli::output::failure::Failure;
+use crate::cli::output::verdict::Verdict;
+use crate::cli::output::{Screen, short, table};
+use crate::formats::{Stated, read_detections_file};
+use crate::plan::assess::{Proposal, Wish, next};
+use crate::plan::results::{add_results, probe};
+
+/// Nine of ten map errors are below this multiple of the expected RMS, as long as linearisation holds: 1.645, or less.
+const MORE_THAN_EXPECTED: f64 = 2.0;
+
+#[derive(Debug, Args)]
+pub(crate) struct NextArguments {
+    /// Plan, as `calipose plan` wrote it
+    plan: PathBuf,
+    /// Detected corners of the views taken so far: mrcal's vnl, or calipose's JSON
+    observations: PathBuf,
+    /// Problem file [default: the one that run.json beside the plan names]
+    #[arg(long)]
+    problem: Option<PathBuf>,
+    /// Number of poses to propose
+    #[arg(long, short = 'k', default_value_t = 1, conflicts_with = "map_error")]
+    count: usize,
+    /// Propose as few poses as bring the expected map error down to this, in px
+    #[arg(long = "map-error-px", value_name = "PX")]
+    map_error: Option<f64>,
+    /// Propose new views only, none that shows the board where one of those taken does
+    #[arg(long)]
+    new: bool,
+    /// Take the images with such a name only, `*` for any text, as in '*cam0*'
+    #[arg(long, value_name = "PATTERN")]
+    images: Option<String>,
+    /// Most poses to propose for --map-error-px
+    #[arg(long, default_value_t = 30)]
+    most: usize,
+}
+
+impl NextArguments {
+    fn wish(&self) -> Result<Wish, Failure> {
+        let refused = |what: &str| Err(Failure::Usage(what.into()));
+        match self.map_error {
+            Some(map_error) if !(map_error > 0.0 && map_error.is_finite()) => {
+                refused("--map-error-px must be positive")
+            }
+            Some(_) if self.most == 0 => refused("--most must be at least 1"),
+            Some(map_error) => Ok(Wish::Accuracy { map_error, most: self.most }),
+            None if self.count == 0 => refused("--count must be at least 1"),
+            None => Ok(Wish::Count(self.count)),
+        }
+    }
+}
+
+/// What is written beside the plan; what was there before is of no account.
+const FILES: [&str; 2] = ["next.json", "next.csv"];
+
+pub(crate) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<Verdict, Failure> {
+    let wish = arguments.wish()?;
+    let planned = Planned::read_to_add(&arguments.plan, arguments.problem.as_deref(), &FILES)?;
+    let Planned { plan, problem, text, .. } = planned;
+    let folder = arguments.plan.parent().unwrap_or(Path::new(""));
+    probe(folder)?;
+    let path = &arguments.observations;
+    let stated = Stated {
+        board: Some(problem.target.board),
+        image: Some([problem.camera.width(), problem.camera.height()]),
+        images: arguments.images.clone(),
+    };
+    let detections =
+        read_detections_file(path, &stated).map_err(|error| Failure::Observations { path: path.clone(), error })?;
+    let calibration =
+        calibrate(&detections.observations, &problem.camera, &problem.estimated, &CalibrationSettings::default())
+            .map_err(|error| Failure::Calibration {
+                error: Box::new(error),
+                path: path.clone(),
+                names: detections.names.clone(),
+                fits: None,
+            })?;
+    let bar = screen.progress("sweeping", problem.space.len());
+    let proposed = next(&problem, &detections.observations, &calibration, wish, arguments.new, &|swept| {
+        bar.inc(swept as u64);
+    });
+    bar.finish_and_clear();
+    let proposal = proposed?;
+
+    let names = problem.estimated_names();
+    let θ: Vec<f64> = problem.estimated.iter().map(|&i| calibration.camera.intrinsics()[i]).collect();
+    let σ: Vec<f64> = calibration.covariance.diagonal().iter().map(|variance| variance.sqrt()).collect();
+    let repeats: Vec<Option<&str>> = proposal
+        .repeats
+        .iter()
+        .map(|view| view.and_then(|view| detections.names.get(view)).map(String::as_str))
+        .collect();
+    let document = json!({
+        "format": "calipose.next",
+        "version": 1,
+        "problem": { "name": plan.problem.name, "sha256": plan.problem.sha256 },
+        "views": detections.names.len(),
+        "intrinsics": { "names": names, "values": θ, "sigma": σ },
+        "known_map_error_px": proposal.known,
+        "expected_map_error_px": proposal.expected,
+        "simulated_map_error_px": proposal.rehearsal.map(|simulated| json!({
+            "trials": simulated.trials,
+            "failed": simulated.failed,
+            "median": simulated.median,
+            "percentile_90": simulated.percentile_90,
+            "rms": simulated.rms,
+        })),
+        "fulfilled": proposal.fulfilled,
+        "joints": plan.joints,
+        "poses": proposal.poses,
+        "repeats": repeats,
+    });
+    let table_of_poses = proposal.to_csv(&problem).map_err(|error| Failure::Table(error.to_string()))?;
+    let [document_name, table_name] = FILES;
+    let files = [(table_name, table_of_poses), (document_name, format!("{document:#}\n").into_bytes())];
+    writing(|| add_results(&arguments.plan, text.as_bytes(), None, &files))?;
+    screen.document(&document.to_string())?;
+    let rows: Vec<Vec<String>> =
+        (0..names.len()).map(|i| vec![names[i].to_owned(), short(θ[i]), short(σ[i])]).collect();
+    let known = format!(
+        "{}: {} views taken.\n\n{}\n\nMap error {} px by what they tell.",
+        plan.problem.name,
+        detections.names.len(),
+        table(&["intrinsic", "estimate", "sigma"], &rows),
+        short(proposal.known),
+    );
+    if proposal.poses.is_empty() {
+        screen.text(&format!("{known} That is enough; no more poses are needed."))?;
+        return Ok(Verdict::Good);
+    }
+    let mut text = format!(
+        "{known}\n{} more, taken next, bring it to {} px:\n\n{}",
+        proposal.poses.len(),
+        short(proposal.expected),
+        pose_table(&problem, &proposal.poses),
+    );
+    text += &simulated(&proposal);
+    text += &repeated(&repeats);
+    if !proposal.fulfilled {
+        text += &format!(
+            "\n{} poses do not bring it down to {} px; allow more with --most.",
+            proposal.poses.len(),
+            short(arguments.map_error.unwrap_or_default()),
+        );
+    }
+    text += &untested_text(&problem).map(|line| format!("\n{line}")).unwrap_or_default();
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    screen.text(&format!("{text}\n\nWritten to {}: next.json, next.csv.", folder.display()))?;
+    Ok(Verdict::good_if(proposal.fulfilled))
+}
+
+/// What the simulation adds to the expectation.
+fn simulated(proposal: &Proposal) -> String {
+    let Some(simulated) = proposal.rehearsal else {
+        return "\nThe views taken tell too little to simulate what the next ones bring; take them, and ask again."
+            .into();
+    };
+    let (median, most) = (short(simulated.median), short(simulated.percentile_90));
+    let mut text = format!(
+        "\nIn simulated calibrations, with cameras drawn from what is known, it is {median} px at the median and \
+         below {most} px in nine of ten."
+    );
+    if simulated.failed > 0 {
+        text += &format!(" {} of {} gave no camera.", simulated.failed, simulated.trials);
+    }
+    if simulated.percentile_90 > MORE_THAN_EXPECTED * proposal.expected {
+        text += " So little is known yet that the expectation above, linearised about the camera found so far, promises too much: \
+                 take these, and ask again.";
+    }
+    text
+}
+
+/// Which of the poses repeat a view, by the names of the views.
+fn repeated(repeats: &[Option<&str>]) -> String {
+    let names: Vec<&str> = repeats.iter().copied().flatten().collect();
+    let rest = match names[..] {
+        [] => return String::new(),
+        [_] => "repeats a view",
+        _ => "repeat views",
+    };
+    format!(
+        "\n{} of these {} {rest} taken already ({}): one more picture there averages noise, no more. --new leaves them out.",
+        names.len(),
+        repeats.len(),
+        names.join(", "),
+    )
+}

@@ -1,0 +1,341 @@
+//! `calipose plan`.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+
+use super::verify as verify_command;
+use crate::cli::interrupt::writing;
+use crate::cli::memory::hold_against_memory;
+use crate::cli::output::collision::{close_text, tested_text};
+use crate::cli::output::failure::Failure;
+use crate::cli::output::verdict::Verdict;
+use crate::cli::output::{Screen, fixed, grouped, joint_columns, short, table};
+use crate::cli::searching::searching;
+use crate::cli::{Overrides, TableFormat, method, number_of, trials};
+use crate::plan::assess::{compare, verify};
+use crate::plan::choose::{Chooser, make};
+use crate::plan::document::{Plan, PlannedPose, candidates_csv, candidates_parquet};
+use crate::plan::results::{PLAN_FILE, RUN_FILE, Run, RunSeconds, add_results, owner, probe, write_results};
+use crate::plan::survey::{Survey, candidates};
+use crate::problem::Method;
+use crate::problem::Problem;
+use crate::verification::{Disturbance, MonteCarlo};
+
+#[derive(Debug, Args)]
+pub(crate) struct PlanArguments {
+    #[command(flatten)]
+    problem: Overrides,
+    /// Number of poses [default: the file's]
+    #[arg(long, short = 'k', value_parser = number_of(false))]
+    count: Option<usize>,
+    /// How to choose [default: the file's]
+    #[arg(long, value_parser = method())]
+    method: Option<Method>,
+    /// Folder for the plan [default: the file's]
+    #[arg(long, short)]
+    output: Option<PathBuf>,
+    /// Replace the plan of another problem file
+    #[arg(long)]
+    force: bool,
+    /// Number of simulated calibrations that check the plan; 0 for none
+    #[arg(long, default_value_t = 100, value_parser = trials())]
+    trials: usize,
+    /// Write the candidates too
+    #[arg(long, value_name = "FORMAT")]
+    candidates: Option<TableFormat>,
+}
+
+/// Seeds of the k-means runs that the summary sets beside the plan.
+const BASELINE_SEEDS: usize = 5;
+
+pub(crate) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<Verdict, Failure> {
+    let start = Instant::now();
+    let problem = arguments.problem()?;
+    // What would stop the writing is found before the work.
+    arguments.may_write(&problem)?;
+
+    hold_against_memory(&problem, screen)?;
+    let bar = screen.progress("sweeping", problem.space.len());
+    let surveyed = candidates(&problem, &|swept| bar.inc(swept as u64));
+    bar.finish_and_clear();
+    let survey = surveyed?;
+    let survey_time = start.elapsed();
+
+    let chooser = Chooser::new(&problem, &survey)?;
+    let made = searching(screen, &problem, |observe| make(&problem, chooser, observe));
+    let (made, chooser) = made?;
+    let plan = Plan::new(&problem, &chooser, &made)?;
+
+    // The plan is safe before its simulated calibrations, which may take long, are looked at.
+    let seconds = RunSeconds {
+        survey: survey_time.as_secs_f64(),
+        selection: start.elapsed().saturating_sub(survey_time).as_secs_f64(),
+        total: start.elapsed().as_secs_f64(),
+    };
+    let mut run = Run::new(&problem, &arguments.problem.file, seconds);
+    let files = arguments.files(&problem, &survey, &plan)?;
+    let mut written: Vec<&str> = files.iter().rev().map(|(name, _)| *name).collect();
+    let removed = writing(|| write_results(&problem.output, &mut run, &files))?;
+
+    let bar = screen.progress("verifying", arguments.trials);
+    let verified = verified(&problem, &survey, &plan, arguments.trials, &|_| bar.inc(1));
+    bar.finish_and_clear();
+    let verified = verified?;
+    if let Some(found) = &verified {
+        let document = verify_command::document(&plan, found, plan.seed);
+        let files = [("verification.json", format!("{document:#}\n").into_bytes())];
+        run.seconds.total = start.elapsed().as_secs_f64();
+        let path = problem.output.join(PLAN_FILE);
+        writing(|| add_results(&path, plan.to_json().as_bytes(), Some(&run), &files))?;
+        written.push("verification.json");
+    }
+
+    screen.document(&plan.to_json())?;
+    let verdict = verified.as_ref().map_or(Verdict::Good, |found| verify_command::judgement(found).verdict());
+    if screen.shows_text() {
+        screen.text(&format!(
+            "{}{}{}\nWritten to {}: {}, {RUN_FILE}, in {:.2} s.{}",
+            summary(&problem, &survey, &chooser, &plan)?,
+            verified.as_ref().map(sentence).unwrap_or_default(),
+            collision(&problem, &survey, &plan),
+            problem.output.display(),
+            written.join(", "),
+            start.elapsed().as_secs_f64(),
+            if removed.is_empty() {
+                String::new()
+            } else {
+                format!("\nRemoved, as of the plan before: {}.", removed.join(", "))
+            },
+        ))?;
+    }
+    Ok(verdict)
+}
+
+impl PlanArguments {
+    /// The file's problem with what the command line says instead.
+    fn problem(&self) -> Result<Problem, Failure> {
+        let mut problem = self.problem.problem()?;
+        let selection = &mut problem.selection;
+        selection.count = self.count.unwrap_or(selection.count);
+        selection.method = self.method.unwrap_or(selection.method);
+        let overridden = self.count.is_some() || self.method.is_some();
+        if overridden && !selection.accuracies.is_empty() {
+            let what = "the file wishes for an accuracy, which decides on the number of poses and the method; leave --count and \
+                        --method out, or take `accuracy` out of the file";
+            return Err(Failure::Usage(what.into()));
+        }
+        if !selection.method.heeds_constraints() && !problem.constraints.allow_all() {
+            let method = selection.method.name();
+            return Err(Failure::Usage(format!(
+                "--method {method} does not look at the file's [constraints]; take another"
+            )));
+        }
+        if let Some(output) = &self.output {
+            problem.output.clone_from(output);
+        }
+        Ok(problem)
+    }
+
+    /// That the plan can be written, and replaces none of another problem.
+    fn may_write(&self, problem: &Problem) -> Result<(), Failure> {
+        let file = &self.problem.file;
+        match owner(&problem.output, problem, file) {
+            Some(theirs) if !self.force => Err(Failure::OtherPlan {
+                path: problem.output.join(PLAN_FILE),
+                theirs,
+                ours: format!("{} (\"{}\")", file.display(), problem.name),
+            }),
+            _ => Ok(probe(&problem.output)?),
+        }
+    }
+
+    /// The files to write, the plan last.
+    fn files(&self, problem: &Problem, survey: &Survey, plan: &Plan) -> Result<Vec<(&'static str, Vec<u8>)>, Failure> {
+        let views = &survey.views;
+        let candidates = match self.candidates {
+            Some(TableFormat::Csv) => Some(("candidates.csv", candidates_csv(problem, views).map_err(in_memory)?)),
+            Some(TableFormat::Parquet) => {
+                Some(("candidates.parquet", candidates_parquet(problem, views).map_err(in_memory)?))
+            }
+            None => None,
+        };
+        let poses = plan.to_csv(&problem.robot.chain.joints).map_err(in_memory)?;
+        Ok(candidates.into_iter().chain([("plan.csv", poses), (PLAN_FILE, plan.to_json().into_bytes())]).collect())
+    }
+}
+
+/// The plan's simulated calibrations, unless none were asked for.
+fn verified(
+    problem: &Problem,
+    survey: &Survey,
+    plan: &Plan,
+    trials: usize,
+    observe: &(dyn Fn(usize) + Sync),
+) -> Result<Option<MonteCarlo>, Failure> {
+    if trials == 0 {
+        return Ok(None);
+    }
+    let view = |pose: &PlannedPose| survey.views.iter().find(|view| view.id == pose.id).map(|view| view.q.clone());
+    let configurations: Vec<Vec<f64>> = plan.poses.iter().filter_map(view).collect();
+    Ok(Some(verify(problem, &configurations, &Disturbance::default(), trials, plan.seed, observe)?))
+}
+
+/// What the poses were tested against, in lines of their own.
+fn collision(problem: &Problem, survey: &Survey, plan: &Plan) -> String {
+    let tested = plan.collision.as_ref().map(|document| tested_text(problem, document));
+    let close = Some(close_text(problem, &survey.links)).filter(|text| !text.is_empty());
+    tested.into_iter().chain(close).map(|line| format!("\n{line}")).collect()
+}
+
+/// What the trials showed, in one line.
+fn sentence(found: &MonteCarlo) -> String {
+    let failed = if found.failures.is_empty() {
+        "all converged".to_owned()
+    } else {
+        format!("{} of them failed", found.failures.len())
+    };
+    format!(
+        "\n{} simulated calibrations, {failed}: map error {} px measured. {}",
+        found.count,
+        short(found.map_error.measured),
+        verify_command::judgement(found).sentence,
+    )
+}
+
+fn in_memory(error: impl std::fmt::Display) -> Failure {
+    Failure::Table(error.to_string())
+}
+
+fn summary(problem: &Problem, survey: &Survey, chooser: &Chooser, plan: &Plan) -> Result<String, Failure> {
+    let candidates = &plan.candidates;
+    let mut text = format!(
+        "{}: {} configurations swept, {} axes in the zone ({} of them on its edge), {} {}.\n",
+        plan.problem.name,
+        grouped(candidates.swept),
+        grouped(candidates.axis_inside + candidates.axis_edge),
+        grouped(candidates.axis_edge),
+        grouped(candidates.kept),
+        what_views_do(problem),
+    );
+    let rejected: Vec<String> = candidates
+        .rejected
+        .iter()
+        .filter(|&(_, &count)| count > 0)
+        .map(|(reason, &count)| format!("{} {}", grouped(count), reason.replace('_', " ")))
+        .collect();
+    if candidates.refined > 0 {
+        text += &format!("Among these are views of {} more, tried around picked poses.\n", grouped(candidates.refined));
+    }
+    if !rejected.is_empty() {
+        text += &format!("Rejected: {}.\n", rejected.join(", "));
+    }
+    text += &format!("\n{}\n\n", outcome(plan));
+    text += &pose_table(problem, &plan.poses);
+
+    let intrinsics = &plan.intrinsics;
+    let rows: Vec<Vec<String>> = (0..intrinsics.names.len())
+        .map(|i| vec![intrinsics.names[i].clone(), short(intrinsics.nominal[i]), short(intrinsics.sigma[i])])
+        .collect();
+    text += &format!("\n\n{}\n", table(&["intrinsic", "nominal", "predicted sigma"], &rows));
+
+    let baselines = [Method::KMeansJoints, Method::KMeansPositions];
+    let comparison = compare(chooser, &baselines, &[plan.count], plan.seed, BASELINE_SEEDS, &mut || {})?;
+    let of = |i: usize| short(comparison.rows[i].choice.map_error);
+    text += &format!(
+        "\nPredicted map error {} px RMS over the image. {} k-means poses of {} views: {} px (clustered on joints), {} px \
+         (on camera positions{}).",
+        short(plan.map_error_px),
+        plan.count,
+        grouped(survey.views.len()),
+        of(0),
+        of(1),
+        if problem.constraints.allow_all() { "" } else { "; constraints aside" },
+    );
+    Ok(text)
+}
+
+/// What was chosen and what is proven of it.
+fn outcome(plan: &Plan) -> String {
+    let Plan { count, method, criterion, value, bound, efficiency, search, fewest, .. } = plan;
+    let spare = 100.0 * (1.0 / efficiency - 1.0);
+    let candidates = grouped(plan.candidates.kept);
+    if let Some(fewest) = fewest {
+        let reached: Vec<String> = fewest
+            .accuracies
+            .iter()
+            .map(|accuracy| format!("{} {} (wished {})", accuracy.name, short(accuracy.reached), accuracy.wished))
+            .collect();
+        let proof = match (&fewest.refutation, fewest.least) {
+            (Some(_), least) if least == *count => format!("{} are proven not to suffice.", count - 1),
+            (None, least) if least == *count => "Fewer cannot be chosen.".into(),
+            (_, least) => format!(
+                "Fewer than {least} are proven not to suffice; whether {least} to {} do is not known.",
+                count - 1,
+            ),
+        };
+        return format!("{count} poses reach the accuracy: {}.\n{proof}", reached.join(", "));
+    }
+    let chosen = format!("{count} poses by `{method}` for criterion `{criterion}`: value {}", short(*value));
+    match search {
+        Some(search) if search.end == "optimal" => format!(
+            "{chosen}, proven optimal:\nno {count} of the {candidates} candidates are better ({} nodes).",
+            grouped(search.nodes)
+        ),
+        _ => {
+            let ended = search
+                .as_ref()
+                .map(|search| format!(" The search ended by {} after {} nodes.", search.end, grouped(search.nodes)));
+            format!(
+                "{chosen}, bound {}, certified efficiency {efficiency:.4}:\nno {count} of the {candidates} candidates can give \
+                 more than {spare:.2} % more information.{}",
+                short(*bound),
+                ended.unwrap_or_default(),
+            )
+        }
+    }
+}
+
+/// What the configurations do that are views.
+pub(crate) fn what_views_do(problem: &Problem) -> &'static str {
+    let tested = problem.stability.is_some() || problem.robot.has_bodies();
+    match (problem.visibility.min_corners, tested) {
+        (None, false) => "see the whole board",
+        (None, true) => "can be taken and see the whole board",
+        (Some(_), false) => "see enough of the board",
+        (Some(_), true) => "can be taken and see enough of the board",
+    }
+}
+
+/// The poses in degrees and mm, one a row.
+pub(crate) fn pose_table(problem: &Problem, poses: &[PlannedPose]) -> String {
+    let joints = joint_columns(&problem.robot.chain.joints);
+    let header: Vec<String> = std::iter::once("pose".into())
+        .chain(joints)
+        .chain(["tilt [deg]", "distance [mm]", "share [%]"].map(String::from))
+        .chain(problem.stability.as_ref().map(|_| "tip-over margin [mm]".into()))
+        .chain(problem.visibility.min_corners.map(|_| "corners".into()))
+        .collect();
+    let corners = problem.target.board.corner_count();
+    let rows: Vec<Vec<String>> = poses
+        .iter()
+        .map(|pose| {
+            let joints = pose.joints_deg.iter().map(|q| fixed(*q, 1));
+            std::iter::once(pose.id.to_string())
+                .chain(joints)
+                .chain([
+                    format!("{:.1}", pose.tilt_deg),
+                    format!("{:.0}", 1e3 * pose.distance_m),
+                    format!("{:.1}", 100.0 * pose.share),
+                ])
+                .chain(pose.stability_margin_m.map(|margin| fixed(1e3 * margin, 0)))
+                .chain(problem.visibility.min_corners.map(|_| {
+                    let seen = pose.corners_seen.as_ref().map_or(corners, Vec::len);
+                    seen.to_string()
+                }))
+                .collect()
+        })
+        .collect();
+    table(&header.iter().map(String::as_str).collect::<Vec<_>>(), &rows)
+}

@@ -1,0 +1,200 @@
+//! `calipose reach`.
+
+use std::path::PathBuf;
+
+use clap::{ArgGroup, Args};
+use nalgebra::{Quaternion, UnitQuaternion};
+use serde_json::json;
+
+use crate::cli::number_of;
+use crate::cli::output::collision::untested_text;
+use crate::cli::output::failure::Failure;
+use crate::cli::output::{Screen, fixed, joint_columns, short, table};
+use crate::feasibility::LinkPair;
+use crate::plan::assess::reach_starts;
+use crate::plan::document::{Pose as PoseDocument, joints_deg};
+use crate::problem::Problem;
+use crate::robot::{ReachSettings, Reached, reach};
+use crate::spatial::Pose;
+use crate::target::viewpoint;
+
+#[derive(Debug, Args)]
+#[command(group = ArgGroup::new("wish").required(true).args(["position", "distance"]))]
+pub(crate) struct ReachArguments {
+    /// Problem file
+    file: PathBuf,
+    /// Position of the camera in the base frame, in mm; needs an orientation
+    #[arg(long = "position-mm", value_name = "X,Y,Z", value_parser = numbers::<3>, allow_hyphen_values = true)]
+    position: Option<[f64; 3]>,
+    /// Orientation of the camera in the base frame: roll, pitch and yaw in degrees, Rz(yaw) Ry(pitch) Rx(roll)
+    #[arg(
+        long = "rpy-deg",
+        value_name = "R,P,Y",
+        value_parser = numbers::<3>,
+        requires = "position",
+        conflicts_with_all = ["quaternion", "distance"],
+        allow_hyphen_values = true
+    )]
+    rpy: Option<[f64; 3]>,
+    /// Orientation of the camera in the base frame as a unit quaternion
+    #[arg(
+        long = "quaternion-xyzw",
+        value_name = "X,Y,Z,W",
+        value_parser = numbers::<4>,
+        requires = "position",
+        conflicts_with = "distance",
+        allow_hyphen_values = true
+    )]
+    quaternion: Option<[f64; 4]>,
+    /// Look at the board's centre from so many mm
+    #[arg(long = "distance-mm", value_name = "MM")]
+    distance: Option<f64>,
+    /// With --distance-mm: angle off the board's normal, in degrees
+    #[arg(long = "tilt-deg", value_name = "DEG", conflicts_with = "position", default_value_t = 0.0)]
+    tilt: f64,
+    /// With --distance-mm: direction of the tilt, in degrees from the board's x towards its y
+    #[arg(
+        long = "azimuth-deg",
+        value_name = "DEG",
+        requires = "distance",
+        default_value_t = 0.0,
+        allow_hyphen_values = true
+    )]
+    azimuth: f64,
+    /// With --distance-mm: turn of the camera about its optical axis, in degrees
+    #[arg(
+        long = "roll-deg",
+        value_name = "DEG",
+        requires = "distance",
+        default_value_t = 0.0,
+        allow_hyphen_values = true
+    )]
+    roll: f64,
+    /// Most configurations to show
+    #[arg(long, short = 'n', default_value_t = 5, value_parser = number_of(false))]
+    count: usize,
+}
+
+/// `N` finite numbers, separated by commas.
+fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+    let numbers: Option<Vec<f64>> =
+        text.split(',').map(|word| word.trim().parse().ok().filter(|number: &f64| number.is_finite())).collect();
+    numbers
+        .and_then(|numbers| numbers.try_into().ok())
+        .ok_or_else(|| format!("must be {N} numbers with commas between them"))
+}
+
+impl ReachArguments {
+    /// The wished pose `X_BC`.
+    fn wished(&self, problem: &Problem) -> Result<Pose, Failure> {
+        let refused = |what: &str| Err(Failure::Usage(what.into()));
+        if let Some(distance) = self.distance {
+            if !(distance > 0.0 && distance.is_finite()) {
+                return refused("--distance-mm must be positive");
+            }
+            if !(0.0..90.0).contains(&self.tilt) {
+                return refused("--tilt-deg must be at least 0 and less than 90");
+            }
+            if !(self.azimuth.is_finite() && self.roll.is_finite()) {
+                return refused("--azimuth-deg and --roll-deg must be finite");
+            }
+            let X_TC =
+                viewpoint(distance / 1e3, self.tilt.to_radians(), self.azimuth.to_radians(), self.roll.to_radians());
+            return Ok(problem.target.X_BT * X_TC);
+        }
+        let rotation = match (self.rpy, self.quaternion) {
+            (Some(rpy), _) => {
+                let [roll, pitch, yaw] = rpy.map(f64::to_radians);
+                UnitQuaternion::from_euler_angles(roll, pitch, yaw)
+            }
+            (None, Some([x, y, z, w])) => {
+                let quaternion = Quaternion::new(w, x, y, z);
+                if (quaternion.norm() - 1.0).abs() > 1e-3 {
+                    return refused("--quaternion-xyzw must have norm 1");
+                }
+                UnitQuaternion::new_normalize(quaternion)
+            }
+            (None, None) => return refused("--position-mm needs an orientation: --rpy-deg or --quaternion-xyzw"),
+        };
+        let position = self.position.unwrap_or_default().map(|mm| mm / 1e3);
+        Ok(Pose::from_parts(position.into(), rotation))
+    }
+}
+
+pub(crate) fn run(arguments: &ReachArguments, screen: &mut Screen) -> Result<(), Failure> {
+    let problem = Problem::read(&arguments.file)?;
+    let wished = arguments.wished(&problem)?;
+    // An error of angle moves what the camera sees by the angle times its distance.
+    let to_board = (problem.target.X_BT.translation.vector - wished.translation.vector).norm();
+    let settings = ReachSettings { length: to_board.clamp(0.1, 10.0), ..ReachSettings::default() };
+    let mut found = reach(&problem.robot, &wished, &reach_starts(&problem), &settings);
+    found.truncate(arguments.count);
+    let reached = found.iter().any(|configuration| configuration.reached);
+    let in_the_way: Vec<Option<LinkPair>> = {
+        let checks = problem.checks();
+        found.iter().map(|found| checks.collision().first(&problem.robot.tree.link_poses(&found.q))).collect()
+    };
+    screen.document(&document(&problem, &wished, &found, &in_the_way).to_string())?;
+    let verdict = match (reached, found.len()) {
+        (true, 1) => "one configuration takes the pose".to_owned(),
+        (true, n) => format!("{n} configurations that take the pose, those farthest from joint limits first"),
+        (false, _) => "nothing found takes the pose; the nearest".to_owned(),
+    };
+    screen.text(&format!("{}: {verdict}:\n\n{}", problem.name, configurations(&problem, &found, &in_the_way)))?;
+    match &found[..] {
+        [nearest, ..] if !reached => Err(Failure::Unreached {
+            position_error: nearest.position_error,
+            angle_error: nearest.angle_error,
+            joints: problem.robot.chain.dof(),
+        }),
+        _ => Ok(()),
+    }
+}
+
+fn document(problem: &Problem, wished: &Pose, found: &[Reached], in_the_way: &[Option<LinkPair>]) -> serde_json::Value {
+    let name = |link: usize| problem.robot.tree.links[link].name.as_str();
+    let configuration = |(configuration, pair): (&Reached, &Option<LinkPair>)| {
+        json!({
+            "joints_rad": configuration.q,
+            "joints_deg": joints_deg(&problem.robot.chain, &configuration.q),
+            "reached": configuration.reached,
+            "position_error_m": configuration.position_error,
+            "angle_error_deg": configuration.angle_error.to_degrees(),
+            "limit_margin": configuration.limit_margin,
+            "camera_in_base": PoseDocument::new(&problem.robot.camera_pose(&configuration.q)),
+            "collision": pair.map(|pair| pair.map(name)),
+        })
+    };
+    json!({
+        "format": "calipose.reach",
+        "version": 1,
+        "problem": { "name": problem.name, "sha256": problem.sha256 },
+        "wished": PoseDocument::new(wished),
+        "reached": found.iter().any(|configuration| configuration.reached),
+        "joints": problem.robot.chain.joints.iter().map(|joint| joint.name.as_str()).collect::<Vec<_>>(),
+        "collision_tested": problem.robot.has_bodies(),
+        "configurations": found.iter().zip(in_the_way).map(configuration).collect::<Vec<_>>(),
+    })
+}
+
+fn configurations(problem: &Problem, found: &[Reached], in_the_way: &[Option<LinkPair>]) -> String {
+    let tested = problem.robot.has_bodies();
+    let name = |link: usize| problem.robot.tree.links[link].name.as_str();
+    let joints = joint_columns(&problem.robot.chain.joints);
+    let errors = ["limit margin [%]", "position off [mm]", "angle off [deg]"].map(String::from);
+    let header: Vec<String> = joints.chain(errors).chain(tested.then(|| "collision".into())).collect();
+    let row = |(configuration, pair): (&Reached, &Option<LinkPair>)| {
+        let values = joints_deg(&problem.robot.chain, &configuration.q).into_iter().map(|q| fixed(q, 2));
+        let off = |error: f64| if error < 5e-7 { "0".to_owned() } else { short(error) };
+        let errors = [
+            format!("{:.0}", configuration.limit_margin * 100.0),
+            off(configuration.position_error * 1e3),
+            off(configuration.angle_error.to_degrees()),
+        ];
+        let collision = tested.then(|| pair.map_or("none".into(), |[a, b]| format!("{}–{}", name(a), name(b))));
+        values.chain(errors).chain(collision).collect()
+    };
+    let rows: Vec<Vec<String>> = found.iter().zip(in_the_way).map(row).collect();
+    let table = table(&header.iter().map(String::as_str).collect::<Vec<_>>(), &rows);
+    untested_text(problem).map_or(table.clone(), |untested| format!("{table}\n\n{untested}"))
+}

@@ -1,0 +1,90 @@
+//! `calipose sweep`.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+use serde_json::json;
+
+use crate::cli::output::failure::Failure;
+use crate::cli::output::{Screen, grouped, table};
+use crate::feasibility::{Rejection, feasible_views};
+use crate::problem::Problem;
+use crate::sweep::sweep;
+
+#[derive(Debug, Args)]
+pub(crate) struct SweepArguments {
+    /// Problem file
+    file: PathBuf,
+    /// Steps to sweep with, in degrees, each for all revolute joints [default: those with published counts, else the
+    /// file's]
+    #[arg(long, short, value_delimiter = ',', allow_hyphen_values = true)]
+    step: Vec<f64>,
+}
+
+pub(crate) fn run(arguments: &SweepArguments, screen: &mut Screen) -> Result<(), Failure> {
+    let file = Problem::read(&arguments.file)?;
+    let mut steps: Vec<f64> = arguments.step.iter().map(|step| step.to_radians()).collect();
+    if steps.is_empty() {
+        steps = file.published.iter().map(|published| published.step).collect();
+    }
+    let problems = if steps.is_empty() {
+        vec![(None, file)]
+    } else {
+        let with_step = |&step: &f64| match file.with_step(step) {
+            Ok(problem) => Ok((Some(step), problem)),
+            Err(error) => Err(Failure::Usage(error.to_string())),
+        };
+        steps.iter().map(with_step).collect::<Result<Vec<_>, Failure>>()?
+    };
+    let mut rows = Vec::new();
+    let mut documents = Vec::new();
+    for (step, problem) in &problems {
+        let bar = screen.progress("sweeping", problem.space.len());
+        let start = Instant::now();
+        let found = sweep(&problem.robot, &problem.target, &problem.space, problem.axis, &|n| bar.inc(n as u64));
+        let seconds = start.elapsed().as_secs_f64();
+        bar.finish_and_clear();
+        let (views, rejected) = feasible_views(&problem.checks(), &problem.space, &found.candidates);
+        let in_zone = found.inside + found.edge;
+        let published = step
+            .and_then(|step| problem.published.iter().find(|published| (published.step - step).abs() < 1e-9 * step));
+        let degrees = step.map(|step| (step.to_degrees() * 1e9).round() / 1e9);
+        let or_dash = |count: Option<usize>| count.map_or("-".into(), grouped);
+        rows.push(
+            [
+                degrees.map_or("file's".into(), |step| step.to_string()),
+                grouped(found.swept),
+                grouped(found.inside),
+                grouped(found.edge),
+                grouped(in_zone),
+            ]
+            .into_iter()
+            .chain([or_dash(published.map(|p| p.swept)), or_dash(published.map(|p| p.in_zone))])
+            .chain([grouped(views.len()), format!("{:.1}", seconds * 1e3)])
+            .collect(),
+        );
+        documents.push(json!({
+            "step_deg": degrees,
+            "swept": found.swept,
+            "axis_inside": found.inside,
+            "axis_edge": found.edge,
+            "axis_outside": found.outside(),
+            "published": published.map(|p| json!({ "swept": p.swept, "in_zone": p.in_zone })),
+            "candidates": found.candidates.len(),
+            "kept": views.len(),
+            "rejected": Rejection::ALL.iter().zip(rejected).map(|(r, n)| (r.name(), n)).collect::<std::collections::BTreeMap<_, _>>(),
+            "seconds": seconds,
+        }));
+    }
+    let first = &problems[0].1;
+    let document = json!({
+        "format": "calipose.sweep",
+        "version": 1,
+        "problem": { "name": first.name, "sha256": first.sha256 },
+        "sweeps": documents,
+    });
+    screen.document(&document.to_string())?;
+    let header = ["step", "Q", "inside", "edge", "Q*", "published Q", "published Q*", "see the board", "time [ms]"];
+    screen.text(&format!("{}\n\n{}", first.name, table(&header, &rows)))
+}

@@ -1,0 +1,104 @@
+//! A plan read back, with the problem it was made for.
+
+use std::path::{Path, PathBuf};
+
+use super::output::Screen;
+use super::output::failure::Failure;
+use crate::formats::read_at_most;
+use crate::plan::assess::RecallError;
+use crate::plan::choose::Chooser;
+use crate::plan::document::Plan;
+use crate::plan::results::{Run, check_results, hold_to_read};
+use crate::plan::survey::{Survey, candidates};
+use crate::problem::Problem;
+
+/// Bytes of a plan; a larger file is something else.
+const LARGEST: u64 = 100_000_000;
+
+/// A plan and its problem.
+pub(crate) struct Planned {
+    pub(crate) plan: Plan,
+    pub(crate) problem: Problem,
+    /// The plan's text.
+    pub(crate) text: String,
+    /// Names of the files beside it that are not of the run that wrote it.
+    mixed: Vec<String>,
+}
+
+impl Planned {
+    /// Reads the plan at `path` and its problem: `problem` if given, else the file that `run.json` beside the plan names. The
+    /// plan must be of the problem's robot and camera, and among files of its own run.
+    pub(crate) fn read(path: &Path, problem: Option<&Path>) -> Result<Self, Failure> {
+        Self::read_to_add(path, problem, &[])
+    }
+
+    /// As [`Planned::read`], to write the `files` beside the plan, whatever is there under their names.
+    pub(crate) fn read_to_add(path: &Path, problem: Option<&Path>, files: &[&str]) -> Result<Self, Failure> {
+        let planned = Self::open(path, problem)?;
+        planned.among_its_own(path, files)?;
+        let fitted = planned.plan.fit(&planned.problem);
+        fitted.map_err(|error| Failure::PlanFile { path: path.to_owned(), reason: error.to_string() })?;
+        Ok(planned.asked())
+    }
+
+    /// As [`Planned::read`], but whatever is beside the plan, and whether it fits its problem or not.
+    pub(crate) fn open(path: &Path, problem: Option<&Path>) -> Result<Self, Failure> {
+        let refused = |reason: String| Failure::PlanFile { path: path.to_owned(), reason };
+        let held = hold_to_read(path);
+        let text = read_at_most(path, LARGEST).map_err(|error| refused(error.to_string()))?;
+        let text = String::from_utf8(text).map_err(|_| refused("it is not UTF-8 text".into()))?;
+        let mixed = check_results(path);
+        drop(held);
+        let plan = Plan::from_json(&text).map_err(|error| refused(error.to_string()))?;
+        let problem_path = problem
+            .map(Path::to_owned)
+            .or_else(|| named_by_run(path))
+            .ok_or_else(|| refused("no run.json beside it tells the problem file; name it with --problem".into()))?;
+        let problem = Problem::read(&problem_path)?;
+        if problem.sha256 != plan.problem.sha256 {
+            return Err(refused(format!(
+                "it was made from another version of {}; make a new plan, or name the old file with --problem",
+                problem_path.display()
+            )));
+        }
+        Ok(Self { plan, problem, text, mixed })
+    }
+
+    /// The problem as it was when the plan was made: the command line may have asked for something else than the file, and
+    /// candidates are refined for what was asked.
+    pub(crate) fn asked(mut self) -> Self {
+        let selection = &mut self.problem.selection;
+        if let Some(criteria) = self.plan.criteria() {
+            selection.criteria = criteria;
+            selection.count = self.plan.count;
+        }
+        selection.seed = self.plan.seed;
+        self
+    }
+
+    /// That the plan at `path` and the files beside it are of one run, those of `except` aside.
+    pub(crate) fn among_its_own(&self, path: &Path, except: &[&str]) -> Result<(), Failure> {
+        let files: Vec<String> = self.mixed.iter().filter(|name| !except.contains(&name.as_str())).cloned().collect();
+        if files.is_empty() { Ok(()) } else { Err(Failure::Mixed { path: path.to_owned(), files }) }
+    }
+
+    /// Surveys the problem anew.
+    pub(crate) fn survey(&self, screen: &Screen) -> Result<Survey, Failure> {
+        let bar = screen.progress("sweeping", self.problem.space.len());
+        let surveyed = candidates(&self.problem, &|swept| bar.inc(swept as u64));
+        bar.finish_and_clear();
+        Ok(surveyed?)
+    }
+
+    /// The chooser that made the plan read from `path`, and the plan's poses among the survey's views.
+    pub(crate) fn recall<'a>(&'a self, path: &Path, survey: &'a Survey) -> Result<(Chooser<'a>, Vec<usize>), Failure> {
+        self.plan.recall(&self.problem, survey).map_err(|error| match error {
+            RecallError::Plan(error) => error.into(),
+            refused => Failure::PlanFile { path: path.to_owned(), reason: refused.to_string() },
+        })
+    }
+}
+
+fn named_by_run(plan: &Path) -> Option<PathBuf> {
+    Run::read(plan.parent().unwrap_or(Path::new("")))?.problem.file
+}

@@ -1,0 +1,304 @@
+//! Why a command failed, and the exit code that says so.
+
+use std::path::PathBuf;
+
+use miette::Diagnostic;
+use thiserror::Error;
+
+use super::collision::contacts_text;
+use super::short;
+use crate::calibration::CalibrationError;
+use crate::formats::{FileReadError, ReadError, ReadFault};
+use crate::plan::assess::{CertifyError, VerifyError};
+use crate::plan::choose::{ConstraintError, PlanError};
+use crate::plan::results::{FileError, RUN_FILE};
+use crate::plan::survey::SurveyError;
+use crate::problem::{DraftError, ProblemError};
+use crate::selection::SelectionError;
+
+/// Views that are named at most.
+const MOST_NAMED: usize = 8;
+
+/// Anything a command can fail with.
+#[derive(Debug, Error, Diagnostic)]
+pub(crate) enum Failure {
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Problem(#[from] ProblemError),
+    #[error(transparent)]
+    #[diagnostic(help("{}", plan_help(.0)))]
+    Plan(#[from] PlanError),
+    #[error(transparent)]
+    #[diagnostic(help("{}", file_help(.0)))]
+    File(#[from] FileError),
+    #[error("{}: {error}", path.display())]
+    #[diagnostic(help("{}", observations_help(error)))]
+    Observations { path: PathBuf, error: FileReadError },
+    #[error("{}: {error}", path.display())]
+    #[diagnostic(help("{}", calibration_help(error, names, *fits)))]
+    Calibration {
+        path: PathBuf,
+        error: Box<CalibrationError>,
+        names: Vec<String>,
+        /// Another lens that fits, and the RMS of its residuals in px.
+        fits: Option<(&'static str, f64)>,
+    },
+    #[error("cannot use the plan {}: {reason}", path.display())]
+    PlanFile { path: PathBuf, reason: String },
+    #[error("the plan {} and files beside it are not of one run: {} {} otherwise than {RUN_FILE} says", path.display(),
+        files.join(", "), if files.len() == 1 { "is" } else { "are" })]
+    #[diagnostic(help(
+        "a run was ended while it wrote, or a file was changed; make the plan again (or polish it again), or take the plan alone \
+         into another folder and name its problem file with --problem"
+    ))]
+    Mixed { path: PathBuf, files: Vec<String> },
+    #[error("{} is the plan of {theirs}, not of {ours}", path.display())]
+    #[diagnostic(help(
+        "give the problem another `name`, take another folder with --output, or replace the plan with --force"
+    ))]
+    OtherPlan { path: PathBuf, theirs: String, ours: String },
+    #[error("the plan {} does not hold: {error}", path.display())]
+    #[diagnostic(help("it was changed, or made by a faulty program; make a new plan"))]
+    Certify { path: PathBuf, error: Box<CertifyError> },
+    #[error(transparent)]
+    Verify(#[from] VerifyError),
+    #[error(
+        "no configuration found within the joint limits takes the pose; the nearest is {} mm and {}° off",
+        short(position_error * 1e3),
+        short(angle_error.to_degrees())
+    )]
+    #[diagnostic(help("{}", unreached_help(*joints)))]
+    Unreached { position_error: f64, angle_error: f64, joints: usize },
+    #[error("{}: {error}", path.display())]
+    #[diagnostic(help("{}", draft_help(error)))]
+    Draft { path: PathBuf, error: DraftError },
+    #[error("{} exists already", .0.display())]
+    #[diagnostic(help("give another name, or remove the file first"))]
+    Exists(PathBuf),
+    #[error("the run would take {needed} of memory; this machine has {total}")]
+    #[diagnostic(help("{remedy}"))]
+    Memory { needed: String, total: String, remedy: &'static str },
+    #[error("{0}")]
+    Usage(String),
+    #[error("cannot write the candidates: {0}")]
+    Table(String),
+    #[error("cannot write to stdout")]
+    Stdout(#[from] std::io::Error),
+}
+
+impl Failure {
+    /// Name of what failed, for programs.
+    pub(crate) fn kind(&self) -> &'static str {
+        match self {
+            Failure::Problem(_) => "problem-file",
+            Failure::Memory { .. } => "memory",
+            Failure::Draft { .. } => "robot-file",
+            Failure::Plan(_) => "no-plan",
+            Failure::File(_) | Failure::Table(_) | Failure::Stdout(_) => "cannot-write",
+            Failure::Observations { .. } => "observations",
+            Failure::Calibration { .. } => "no-calibration",
+            Failure::PlanFile { .. } => "plan-file",
+            Failure::Mixed { .. } => "mixed-files",
+            Failure::OtherPlan { .. } => "other-plan",
+            Failure::Certify { .. } => "certificate",
+            Failure::Unreached { .. } => "unreached",
+            Failure::Exists(_) => "exists",
+            Failure::Usage(_) => "command-line",
+            Failure::Verify(_) => "no-verification",
+        }
+    }
+
+    pub(crate) fn exit_code(&self) -> u8 {
+        match self {
+            // A file that does not state its board needs the options that do.
+            Failure::Usage(_)
+            | Failure::Observations {
+                error:
+                    FileReadError::Content(ReadError {
+                        fault: ReadFault::NotStated { .. } | ReadFault::Cameras { .. } | ReadFault::NoImage { .. },
+                        ..
+                    }),
+                ..
+            } => 2,
+            // The nearest configuration was shown.
+            Failure::Unreached { .. } => 4,
+            Failure::Problem(_)
+            | Failure::Draft { .. }
+            | Failure::PlanFile { .. }
+            | Failure::Mixed { .. }
+            | Failure::Observations { .. } => 3,
+            _ => 1,
+        }
+    }
+}
+
+impl From<SurveyError> for Failure {
+    fn from(error: SurveyError) -> Self {
+        Failure::Plan(error.into())
+    }
+}
+
+fn unreached_help(joints: usize) -> String {
+    if joints < 6 {
+        format!(
+            "an arm with {joints} joints takes few poses exactly; the configuration shown is the best approximation found"
+        )
+    } else {
+        "the configuration shown is the best approximation found; ask for a pose nearer to the arm".into()
+    }
+}
+
+fn file_help(error: &FileError) -> String {
+    let advice = "check that the folder exists, is writable and has room";
+    if error.done.is_empty() {
+        return format!("{advice}; nothing was overwritten");
+    }
+    let done: Vec<String> = error.done.iter().map(|path| path.display().to_string()).collect();
+    format!(
+        "{advice}, and run it again: replaced or removed already, so that the files do not belong together now: {}",
+        done.join(", ")
+    )
+}
+
+fn plan_help(error: &PlanError) -> String {
+    let help = match error {
+        // They passed every test before this one.
+        PlanError::Survey(SurveyError::NoViews { contacts, .. }) if !contacts.is_empty() => {
+            return contacts_text(contacts);
+        }
+        PlanError::Survey(SurveyError::NoCandidates { diagnosis, .. } | SurveyError::NoViews { diagnosis, .. }) => {
+            return diagnosis.to_string();
+        }
+        PlanError::Survey(SurveyError::PoseUndetermined { .. }) => "use a board with more corners",
+        PlanError::TooFewViews { .. } => {
+            "ask for fewer poses, sweep with a finer step, or loosen the limits of [visibility]"
+        }
+        PlanError::NoRoom { .. } => "lower the separations of [constraints], loosen its groups, or ask for fewer poses",
+        PlanError::Unobservable { count, views, .. } if count == views => {
+            "more poses do not help, there are no other views: sweep with a finer step or loosen [visibility] for views that \
+             differ more, state what is known in `estimate.prior_sigma`, or take a parameter of the combination out of [estimate]"
+        }
+        PlanError::Unobservable { .. } | PlanError::HardlyObservable { .. } => {
+            "ask for more poses, or take a parameter of the combination out of [estimate]"
+        }
+        PlanError::Covariance => {
+            "the views taken leave a combination all but open; take more of the plan's poses first"
+        }
+        PlanError::Constraints(ConstraintError::NotAView { .. }) => {
+            "take ids of plan.json or of the candidates' table (`--candidates csv`), made with the same [sweep] and [visibility]"
+        }
+        PlanError::Constraints(ConstraintError::KeptOut { .. }) => {
+            "take the pose out of `constraints.require`, or narrow the region"
+        }
+        PlanError::Constraints(ConstraintError::CapturedUnseen { .. }) => {
+            "correct the joint values in `constraints.captured`, or leave the view out"
+        }
+        PlanError::Inaccurate { .. } => {
+            "wish for less, sweep with a finer step, loosen [visibility] or [constraints], or lower the noise"
+        }
+        PlanError::Selection(
+            SelectionError::Allowed { .. }
+            | SelectionError::RequiredAndForbidden { .. }
+            | SelectionError::RequiredAboveCap { .. }
+            | SelectionError::RequiredTooClose { .. },
+        ) => "loosen [constraints], or ask for another number of poses",
+        PlanError::Selection(_) | PlanError::Clustering(_) => "this is probably a bug; please report it",
+    };
+    help.into()
+}
+
+fn draft_help(error: &DraftError) -> &'static str {
+    match error {
+        DraftError::File(FileReadError::Robot(error)) if !error.is_of_another_file() => "correct the file in that line",
+        DraftError::File(_) => "--urdf takes the robot's URDF file, expanded if it is xacro",
+        DraftError::Still => "all joints of the URDF are fixed; name the file of the whole robot",
+    }
+}
+
+fn observations_help(error: &FileReadError) -> &'static str {
+    let FileReadError::Content(ReadError { fault, .. }) = error else {
+        return "give a file of detected corners: mrcal's vnl, or calipose's JSON";
+    };
+    match fault {
+        ReadFault::NotStated { what: "board" } => "give --board 8x6 --square-mm 35, or --problem FILE",
+        ReadFault::NotStated { .. } => "give --image 1280x720, or --problem FILE",
+        ReadFault::CornerCount { .. } => {
+            "columns and rows are the board's inner corners; undetected ones are listed too, as - or null"
+        }
+        ReadFault::Cameras { .. } => "choose the images of one with --images, as in --images '*cam0*'; '*' takes all",
+        ReadFault::NoImage { .. } => "`*` stands for any text and `?` for one character; quote the pattern",
+        ReadFault::Mismatch { .. } => "take the options away, or correct the file",
+        _ => "the book's page \"Calibration\" describes both formats",
+    }
+}
+
+fn calibration_help(error: &CalibrationError, names: &[String], fits: Option<(&'static str, f64)>) -> String {
+    use CalibrationError as E;
+    let named = |views: &[usize]| {
+        let known: Vec<String> = views.iter().filter_map(|&view| names.get(view)).map(|n| format!("\"{n}\"")).collect();
+        let more = known.len().saturating_sub(MOST_NAMED);
+        let end = if more > 0 { format!(" and {more} more") } else { String::new() };
+        known[..known.len().min(MOST_NAMED)].join(", ") + &end
+    };
+    let other = fits.map(|(lens, rms)| {
+        format!("the lens {lens} fits these corners, with an RMS of {} px: take `--lens {lens}`", short(rms))
+    });
+    match error {
+        E::FoldedLens { lens, view, .. } => {
+            let other = other.map_or(String::new(), |other| format!("{other}; or "));
+            let last = if *lens == "rational" { "k3,k6" } else { "k3" };
+            format!("{other}estimate fewer coefficients, as in `--fix {last}`; view {view} is {}", named(&[*view]))
+        }
+        E::SwappedOrder { views, of, columns, rows } if views.len() == *of => format!(
+            "give --board {rows}x{columns}, or swap columns and rows where the file of corners or the problem file states the board"
+        ),
+        E::SwappedOrder { views, of, columns, rows } if 2 * views.len() > *of => {
+            let others = match of - views.len() {
+                1 => "one other view".to_owned(),
+                others => format!("{others} other views"),
+            };
+            format!("give --board {rows}x{columns}, and swap columns and rows in the {others}")
+        }
+        E::SwappedOrder { views, columns, .. } => format!(
+            "list the corners of {} along the board's rows of {columns} as in the other views, or leave them out",
+            named(views)
+        ),
+        E::Disordered { views, .. } => {
+            format!("look at {}: were their corners found on this board, and are they listed row by row?", named(views))
+        }
+        E::NoStart { view } => match other {
+            Some(other) => other,
+            None => format!("view {view} is {}; look at its corners, or leave it out", named(&[*view])),
+        },
+        E::TooFewViews { .. } | E::TooFewMeasurements { .. } => {
+            "take more images of the board, or estimate less, as in `--fix cx,cy` or `--tie fx=fy`".into()
+        }
+        E::ParallelBoards { .. } => "take images with the board tilted by 20° to 50° in all directions".into(),
+        E::Parameters { .. } | E::Tied { .. } | E::Setting { .. } | E::ImageSize { .. } | E::PoseCount { .. } => {
+            "check the options".into()
+        }
+        E::Unobservable { combination } => {
+            let held = combination.iter().find(|(name, _)| name.starts_with('k')).map_or("fx=900", |_| "k3=0");
+            let other = other.map_or(String::new(), |other| format!("; {other}"));
+            format!(
+                "add views, tilted differently and all over the image, or estimate less, as in `--fix {held}`{other}"
+            )
+        }
+        E::UnobservablePose | E::Camera(_) => other.unwrap_or_else(|| {
+            "add views, tilted differently and all over the image, or take a lens model with fewer parameters".into()
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nobody_is_sent_for_poses_that_do_not_exist() {
+        let open = |count| PlanError::Unobservable { count, views: 21, combination: vec![("fx".into(), 1.0)] };
+        assert!(open(21).to_string().starts_with("all 21 views together cannot determine all intrinsics"));
+        assert!(plan_help(&open(21)).contains("more poses do not help"));
+        assert!(plan_help(&open(20)).contains("ask for more poses"));
+    }
+}

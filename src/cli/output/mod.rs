@@ -1,0 +1,146 @@
+//! What the user sees: text or JSON on stdout, progress and errors on stderr.
+
+pub(super) mod collision;
+mod error_document;
+pub(super) mod failure;
+mod progress;
+pub(super) mod verdict;
+
+use std::io::Write;
+
+use comfy_table::{CellAlignment, Table, presets};
+use miette::{GraphicalReportHandler, GraphicalTheme};
+
+pub(crate) use crate::figures::{fixed, grouped};
+use crate::robot::{Joint, JointKind};
+use failure::Failure;
+use progress::Progress;
+
+pub(crate) struct Screen {
+    quiet: bool,
+    json: bool,
+}
+
+impl Screen {
+    pub(crate) fn new(quiet: bool, json: bool) -> Self {
+        Self { quiet, json }
+    }
+
+    /// Whether text is shown: not if the user asked for quiet or for JSON.
+    pub(crate) fn shows_text(&self) -> bool {
+        !self.quiet && !self.json
+    }
+
+    /// Prints text where it is shown.
+    pub(crate) fn text(&mut self, text: &str) -> Result<(), Failure> {
+        if self.shows_text() { Self::print(text) } else { Ok(()) }
+    }
+
+    /// Prints the document, if the user asked for JSON.
+    pub(crate) fn document(&mut self, document: &str) -> Result<(), Failure> {
+        if self.json { Self::print(document.trim_end()) } else { Ok(()) }
+    }
+
+    /// Prints what was asked for whatever the flags.
+    pub(crate) fn print(text: &str) -> Result<(), Failure> {
+        match writeln!(std::io::stdout().lock(), "{text}") {
+            // A reader that has seen enough (`calipose … | head`) is no failure.
+            Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+            written => Ok(written?),
+        }
+    }
+
+    /// Tells of what may go wrong, on stderr.
+    pub(crate) fn warn(&self, text: &str) {
+        if !self.quiet {
+            Self::complain(&format!("Warning: {text}."));
+        }
+    }
+
+    /// A progress bar over `length` steps, on stderr.
+    pub(crate) fn progress(&self, what: &'static str, length: usize) -> Progress {
+        Progress::new(self.quiet, what, Some(length), "{prefix:>12} {bar:40} {human_pos}/{human_len} {eta}")
+    }
+
+    /// A line for work of unknown length, on stderr.
+    pub(crate) fn spinner(&self, what: &'static str) -> Progress {
+        Progress::new(self.quiet, what, None, "{prefix:>12} {spinner} {elapsed} {msg}")
+    }
+
+    /// Says what went wrong: drawn, or as a document if the user asked for JSON.
+    pub(crate) fn fail(&self, failure: &Failure) {
+        if self.json {
+            return Self::complain(&format!("{:#}", error_document::document(failure)));
+        }
+        let theme = if std::io::IsTerminal::is_terminal(&std::io::stderr()) && std::env::var_os("NO_COLOR").is_none() {
+            GraphicalTheme::unicode()
+        } else {
+            GraphicalTheme::unicode_nocolor()
+        };
+        let mut text = String::new();
+        if GraphicalReportHandler::new_themed(theme).render_report(&mut text, failure).is_err() {
+            text = failure.to_string();
+        }
+        Self::complain(text.trim_end());
+    }
+
+    /// Says in JSON what is wrong with the command line.
+    pub(crate) fn refuse(error: &clap::Error) {
+        let message = error.render().to_string();
+        let document = error_document::error("command-line", 2, message.trim_end(), None, &[]);
+        Self::complain(&format!("{document:#}"));
+    }
+
+    pub(crate) fn report_bug(what: &str, json: bool) {
+        let message = format!(
+            "This is a bug in calipose {}, not your mistake. Please report it with the problem file and this line:\n{what}",
+            env!("CARGO_PKG_VERSION")
+        );
+        if json {
+            Self::complain(&format!("{:#}", error_document::error("bug", 70, &message, None, &[])));
+        } else {
+            Self::complain(&message);
+        }
+    }
+
+    fn complain(text: &str) {
+        // There is nobody left to tell when stderr is closed.
+        let _ = writeln!(std::io::stderr().lock(), "{text}");
+    }
+}
+
+/// A table with a header; the first column to the left, the others to the right.
+pub(crate) fn table(header: &[&str], rows: &[Vec<String>]) -> String {
+    let mut table = Table::new();
+    table.load_preset(presets::NOTHING).set_header(header);
+    table.add_rows(rows);
+    for (i, column) in table.column_iter_mut().enumerate() {
+        column.set_padding((u16::from(i != 0), 1));
+        column.set_cell_alignment(if i == 0 { CellAlignment::Left } else { CellAlignment::Right });
+    }
+    table.lines().map(|line| line.trim_end().to_owned()).collect::<Vec<_>>().join("\n")
+}
+
+/// Headings of the joints' columns, with their units.
+pub(crate) fn joint_columns(joints: &[Joint]) -> impl Iterator<Item = String> {
+    joints.iter().map(|joint| {
+        let unit = if joint.kind == JointKind::Prismatic { "mm" } else { "deg" };
+        format!("{} [{unit}]", joint.name)
+    })
+}
+
+/// A number to four significant digits.
+pub(crate) fn short(number: f64) -> String {
+    if !number.is_finite() {
+        return "-".into();
+    }
+    if number == 0.0 {
+        return "0".into();
+    }
+    let magnitude = number.abs().log10().floor() as i32;
+    if (-4..5).contains(&magnitude) {
+        format!("{number:.*}", (3 - magnitude).max(0) as usize)
+    } else {
+        format!("{number:.2e}")
+    }
+}

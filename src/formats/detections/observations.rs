@@ -1,0 +1,78 @@
+//! calipose's own observations, JSON: board, image and the corners of every view.
+
+use nalgebra::Vector2;
+
+use super::{Detected, LARGEST_PIXEL, Seen};
+use crate::formats::camera::image_side;
+use crate::formats::error::{ReadError, ReadFault};
+use crate::formats::tree;
+use crate::formats::tree::Node;
+use crate::target::Board;
+
+const FORMAT: &str = "calipose.observations";
+/// Most corners along one side, as in problem files.
+const MOST_CORNERS: u32 = 1000;
+
+/// Board, image size and images; with the lines of the first two.
+pub(super) struct File {
+    pub(super) board: (Board, usize),
+    pub(super) image: ([u32; 2], usize),
+    pub(super) views: Vec<Seen>,
+}
+
+pub(super) fn read(text: &str) -> Result<File, ReadError> {
+    let root = tree::parse(text)?;
+    let format = root.require("", "format")?;
+    let name = format.text(&"format")?;
+    if name != FORMAT {
+        let (key, found) = ("format".to_owned(), name.to_owned());
+        return Err(ReadFault::Unsupported { key, found, supported: FORMAT }.at(format.line));
+    }
+    root.require("", "version")?.count(&"version", 1, 1)?;
+    let stated = root.require("", "board")?;
+    let side = |key: &str| stated.require("board.", key)?.count(&format_args!("board.{key}"), 2, MOST_CORNERS);
+    let (columns, rows) = (side("columns")? as usize, side("rows")? as usize);
+    let key = "board.square_mm";
+    let square = stated.require("board.", "square_mm")?.number(&key)?.between(&key, 1e-3, 1e6)? / 1e3;
+    let board = (Board { columns, rows, square }, stated.line);
+    let size = root.require("", "image")?;
+    let side = |key: &str| image_side(size.require("image.", key)?, &format!("image.{key}"));
+    let image = ([side("width_px")?, side("height_px")?], size.line);
+    let list = root.require("", "views")?.list(&"views")?;
+    let views = list.iter().enumerate().map(|(i, node)| view(node, i, &board.0)).collect::<Result<_, _>>()?;
+    Ok(File { board, image, views })
+}
+
+fn view(node: &Node, i: usize, board: &Board) -> Result<Seen, ReadError> {
+    let within = format!("views[{i}].");
+    let name = match node.get("name") {
+        Some(name) => name.text(&format_args!("{within}name"))?.to_owned(),
+        None => format!("view {i}"),
+    };
+    let list = node.require(&within, "corners")?;
+    let corners = list.list(&format_args!("{within}corners"))?;
+    if corners.len() != board.corner_count() {
+        let Board { columns, rows, .. } = *board;
+        let line = corners.last().map_or(list.line, |corner| corner.line);
+        return Err(ReadFault::CornerCount { view: name, found: corners.len(), columns, rows }.at(line));
+    }
+    let pixel = |(j, corner): (usize, &Node)| {
+        if corner.is_null() {
+            return Ok((None, corner.line));
+        }
+        let key = || format!("{within}corners[{j}]");
+        let coordinates = corner.list(&format_args!("{within}corners[{j}]"))?;
+        let [u, v] = coordinates else {
+            let (found, expected) = (coordinates.len(), "2".to_owned());
+            return Err(ReadFault::Length { key: key(), found, expected }.at(corner.line));
+        };
+        let number = |i: usize, node: &Node| {
+            let key = format_args!("{within}corners[{j}][{i}]");
+            node.number(&key)?.between(&key, -LARGEST_PIXEL, LARGEST_PIXEL)
+        };
+        let (u, v) = (number(0, u)?, number(1, v)?);
+        Ok((Some(Detected { pixel: Vector2::new(u, v), weight: 1.0 }), corner.line))
+    };
+    let corners = corners.iter().enumerate().map(pixel).collect::<Result<_, ReadError>>()?;
+    Ok(Seen { name, line: node.line, corners })
+}

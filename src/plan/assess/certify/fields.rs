@@ -1,0 +1,101 @@
+//! Fields of a plan that are made anew and compared.
+
+use super::bound::{are_too_close, pairs};
+use super::compare::{alike, near, numbers, other, same};
+use super::error::{BrokenConstraint, CertifyError};
+use crate::plan::choose::Chooser;
+use crate::plan::document::{Candidates, PlannedPose, Pose};
+use crate::plan::survey::Survey;
+use crate::problem::Method;
+use crate::problem::Problem;
+
+/// Numbers of a pose agree to this: m, degrees, entries of a quaternion.
+const SAME_POSE: f64 = 1e-9;
+
+/// A tilt near zero is known to no more than this, in degrees: its cosine is 1 there.
+const SAME_TILT: f64 = 1e-6;
+
+/// Checks that the method is one, and that what it leaves in a plan is there.
+pub(crate) fn is_that_method(
+    method: &str,
+    searched: bool,
+    fewest: bool,
+    by_accuracy: bool,
+) -> Result<(), CertifyError> {
+    let known = Method::ALL.map(Method::name);
+    if !known.contains(&method) {
+        return Err(other("the method", method, &known.join(" or ")));
+    }
+    if fewest != by_accuracy || (by_accuracy && method != Method::Best.name()) {
+        return Err(other("what proves the number of poses", &fewest, &by_accuracy));
+    }
+    same("whether a search followed", &searched, &(method == Method::Exact.name()))
+}
+
+pub(crate) fn are_those_candidates(stated: &Candidates, found: &Candidates) -> Result<(), CertifyError> {
+    let Candidates { swept, axis_inside, axis_edge, refined, kept, rejected } = stated;
+    same("the number of configurations swept", swept, &found.swept)?;
+    same("the number of axes inside the zone", axis_inside, &found.axis_inside)?;
+    same("the number of axes on the zone's edge", axis_edge, &found.axis_edge)?;
+    same("the number of configurations tried around picked poses", refined, &found.refined)?;
+    same("the number of candidates", kept, &found.kept)?;
+    alike("the count of rejected candidates", rejected, &found.rejected)
+}
+
+/// What the plan says of a pose, held against what its view says.
+pub(crate) fn is_that_pose(stated: &PlannedPose, found: &PlannedPose) -> Result<(), CertifyError> {
+    let PlannedPose {
+        id,
+        joints_rad,
+        joints_deg,
+        camera_in_base: Pose { position_m, quaternion_xyzw },
+        target_point_m,
+        tilt_deg,
+        distance_m,
+        share: _, // of the set, not of the view
+        stability_margin_m,
+        corners_seen,
+    } = stated;
+    let of_pose = |what: &str| format!("{what} of pose {id}");
+    let close = |what: &str, stated: &[f64], found: &[f64]| {
+        numbers(&of_pose(what), stated, found, |what, stated, found| near(what, stated, found, SAME_POSE))
+    };
+    same("the id of a pose", id, &found.id)?;
+    close("joint value in rad", joints_rad, &found.joints_rad)?;
+    close("joint value in degrees", joints_deg, &found.joints_deg)?;
+    close("coordinate of the camera", position_m, &found.camera_in_base.position_m)?;
+    // A quaternion without real part may have either sign.
+    let turned = found.camera_in_base.quaternion_xyzw;
+    let opposite = turned[3] < SAME_POSE && turned.iter().zip(quaternion_xyzw).map(|(a, b)| a * b).sum::<f64>() < 0.0;
+    close("part of the camera's quaternion", quaternion_xyzw, &turned.map(|q| if opposite { -q } else { q }))?;
+    let point = |point: &Option<[f64; 3]>| point.iter().flatten().copied().collect::<Vec<_>>();
+    close("coordinate of the target point", &point(target_point_m), &point(&found.target_point_m))?;
+    near(&of_pose("the tilt"), *tilt_deg, found.tilt_deg, SAME_TILT)?;
+    near(&of_pose("the distance"), *distance_m, found.distance_m, SAME_POSE)?;
+    let margin = |margin: &Option<f64>| margin.iter().copied().collect::<Vec<_>>();
+    close("tip-over margin", &margin(stability_margin_m), &margin(&found.stability_margin_m))?;
+    alike(&of_pose("the corners seen"), corners_seen, &found.corners_seen)
+}
+
+pub(crate) fn is_allowed(
+    problem: &Problem,
+    survey: &Survey,
+    chooser: &Chooser,
+    selected: &[usize],
+) -> Result<(), CertifyError> {
+    let constraints = chooser.constraints();
+    let id = |i: usize| survey.views[i].id;
+    let missing = constraints.required.iter().find(|i| !selected.contains(i));
+    let forbidden = constraints.forbidden.iter().find(|i| selected.contains(i));
+    let crowded = constraints.caps.iter().zip(&problem.constraints.groups).find_map(|(cap, group)| {
+        let count = selected.iter().filter(|i| cap.members.contains(i)).count();
+        (count > cap.most).then(|| BrokenConstraint::Crowded { group: group.name.clone(), count, most: cap.most })
+    });
+    let close = pairs(selected).find(|&(i, j)| are_too_close(constraints, i, j));
+    let broken = missing
+        .map(|&i| BrokenConstraint::Missing { id: id(i) })
+        .or(forbidden.map(|&i| BrokenConstraint::Forbidden { id: id(i) }))
+        .or(crowded)
+        .or(close.map(|(i, j)| BrokenConstraint::Close { first: id(i), second: id(j) }));
+    broken.map_or(Ok(()), |broken| Err(CertifyError::Constraint(broken)))
+}

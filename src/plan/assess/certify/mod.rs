@@ -1,0 +1,232 @@
+//! A plan checked from its own numbers.
+//!
+//! Every field of the plan is proven, or recomputed and compared, or handed back as not checked. It shares with the code that
+//! made the plan only what the numbers mean: the candidates' views and matrices and the constraints, rebuilt from the
+//! problem file.
+
+mod accuracy;
+mod bound;
+mod compare;
+mod error;
+mod fields;
+mod unchecked;
+
+pub use error::{BrokenConstraint, CertifyError};
+pub use unchecked::Unchecked;
+
+use crate::plan::choose::Chooser;
+use crate::plan::choose::{ACCURACY, TermDefinition};
+use crate::plan::document::{AccuracyDocument, CertificateDocument, FewestDocument, SearchDocument};
+use crate::plan::document::{Candidates, PLAN_FORMAT, PLAN_VERSION, Plan, PlannedPose, ProblemReference};
+use crate::plan::survey::CollisionDocument;
+use crate::plan::survey::Survey;
+use crate::problem::Problem;
+use accuracy::PredictedAccuracy;
+use bound::{Rounded, log_bound, log_of, log_value, natural, shares};
+use compare::{alike, different, near, number, other, same};
+use fields::{are_those_candidates, is_allowed, is_that_method, is_that_pose};
+use unchecked::{BY_SEARCH, EFFORT, HOW_FOUND};
+
+/// Numbers that are the same agree to this share, and to what rounding may have moved them beyond.
+const SAME: f64 = 1e-8;
+
+/// Where rounding may have moved a number by more than this share nothing is confirmed.
+const MOST_ROUNDING: f64 = 1e-2;
+
+/// What was confirmed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Confirmed {
+    /// Candidates that were scored.
+    pub candidates: usize,
+    /// The plan's value in the criterion's own unit.
+    pub value: f64,
+    /// The bound that its certificate proves.
+    pub bound: f64,
+    /// The efficiency that these two prove.
+    pub efficiency: f64,
+    /// Fewer poses than this are proven not to reach the accuracies, if some were wished for and a matrix alone proves it.
+    pub least: Option<usize>,
+    /// The plan's numbers agree to this share: 10⁻⁸, and what rounding may have moved them by where the poses' information is
+    /// all but singular.
+    pub tolerance: f64,
+    /// The fields of the plan that are not checked.
+    pub unchecked: Vec<Unchecked>,
+}
+
+/// Recomputes all that `plan` claims, from its poses' joint values and its certificate's matrices, on `problem`, surveyed.
+/// What it was optimised for is taken from the plan, for the command line may have said otherwise than the file.
+///
+/// # Errors
+/// When anything is not as the plan says.
+pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confirmed, CertifyError> {
+    // Here and below documents are taken apart whole, so that a new field cannot go by unnoticed.
+    let Plan {
+        format,
+        version,
+        calipose: _,
+        problem: ProblemReference { name, sha256 },
+        criterion,
+        method,
+        count,
+        seed: _,
+        value: stated_value,
+        bound: stated_bound,
+        efficiency: stated_efficiency,
+        candidates,
+        collision,
+        intrinsics,
+        map_error_px,
+        certificate,
+        search,
+        fewest,
+        joints: _, // by `fit`
+        poses,
+    } = plan;
+    let mut unchecked = Unchecked::all(&["calipose", "method", "seed"], HOW_FOUND);
+
+    same("the format", format.as_str(), PLAN_FORMAT)?;
+    same("the version", version, &PLAN_VERSION)?;
+    same("the problem's name", name, &problem.name)?;
+    same("the problem's hash", sha256, &problem.sha256)?;
+    plan.fit(problem)?;
+    let (chooser, selected) = plan.recall(problem, survey)?;
+    if *criterion != chooser.criterion() {
+        return Err(CertifyError::Criterion { stated: criterion.clone(), found: chooser.criterion() });
+    }
+    is_that_method(method, search.is_some(), fewest.is_some(), criterion == ACCURACY)?;
+    same("the number of poses", count, &selected.len())?;
+    if !poses.is_sorted_by_key(|pose| pose.id) {
+        return Err(other("the order of the poses", "another", "by ascending id"));
+    }
+    are_those_candidates(candidates, &Candidates::new(survey))?;
+    let tested = Some(CollisionDocument::new(problem, &survey.links));
+    alike("what was tested for collision", collision, &tested)?;
+    is_allowed(problem, survey, &chooser, &selected)?;
+
+    let terms: Vec<TermDefinition> = chooser.objective().terms(problem, survey);
+    let value = log_value(&terms, &selected);
+    trusted("the value", value.uncertainty)?;
+    let evidence = Evidence { terms: &terms, chooser: &chooser, selected: &selected, value };
+    evidence.equal("the value", *stated_value, value.log, SAME + value.uncertainty)?;
+    for ((pose, &place), share) in poses.iter().zip(&selected).zip(shares(&terms, &selected)) {
+        is_that_pose(pose, &PlannedPose::new(problem, &survey.views[place], share))?;
+        // A gradient is known to less than the value: its own change with M comes in.
+        near(&format!("the share of pose {}", pose.id), pose.share, share, SAME + 10.0 * value.uncertainty)?;
+    }
+    let accuracy = PredictedAccuracy::new(problem, survey, &selected)?;
+    accuracy.is_that(intrinsics, *map_error_px)?;
+
+    let bound = evidence.bound(certificate, selected.len())?;
+    let tolerance = SAME + value.uncertainty + bound.uncertainty;
+    match search {
+        None => evidence.equal("the bound", *stated_bound, bound.log, tolerance)?,
+        Some(SearchDocument { end, nodes: _, candidates: _ }) => {
+            unchecked.extend(Unchecked::all(&["search.nodes", "search.candidates"], EFFORT));
+            unchecked.extend(Unchecked::all(&["bound", "efficiency", "search.end"], BY_SEARCH));
+            // Between the two lies what a search may claim; the most it may claim is that they are one.
+            let claimed = log_of(&terms, *stated_bound);
+            if !(claimed >= value.log - tolerance && claimed <= bound.log + tolerance) {
+                return Err(different("the bound", *stated_bound, natural(&terms, bound.log)));
+            }
+            if !SearchDocument::ENDS.contains(&end.as_str()) {
+                return Err(other("the end of the search", end, &SearchDocument::ENDS.join(" or ")));
+            }
+            if end == SearchDocument::OPTIMAL {
+                evidence.equal("the bound of a proven optimum", *stated_bound, value.log, tolerance)?;
+            }
+        }
+    }
+    let efficiency = (value.log - log_of(&terms, *stated_bound)).exp();
+    number("the efficiency", *stated_efficiency, efficiency, tolerance)?;
+
+    let mut least = None;
+    if let Some(fewest) = fewest {
+        least = evidence.least(fewest, problem, &accuracy)?;
+        if fewest.nodes > 0 {
+            unchecked.extend(Unchecked::all(&["fewest.nodes"], EFFORT));
+        }
+        if fewest.refutation.is_some() && least.is_none() {
+            unchecked.extend(Unchecked::all(&["fewest.least"], BY_SEARCH));
+        }
+    }
+    Ok(Confirmed {
+        candidates: survey.views.len(),
+        value: natural(&terms, value.log),
+        bound: natural(&terms, bound.log),
+        efficiency: (value.log - bound.log).exp(),
+        least,
+        tolerance: tolerance.max(accuracy.tolerance).max(SAME + 10.0 * value.uncertainty),
+        unchecked,
+    })
+}
+
+/// What was found of the poses.
+struct Evidence<'a> {
+    terms: &'a [TermDefinition<'a>],
+    chooser: &'a Chooser<'a>,
+    selected: &'a [usize],
+    value: Rounded,
+}
+
+impl Evidence<'_> {
+    /// Checks a value or bound, stated in the criterion's own unit, against log Φ.
+    fn equal(&self, what: &str, stated: f64, found: f64, tolerance: f64) -> Result<(), CertifyError> {
+        let is_same = (log_of(self.terms, stated) - found).abs() <= tolerance;
+        if is_same { Ok(()) } else { Err(different(what, stated, natural(self.terms, found))) }
+    }
+
+    /// What the certificate proves of `count` poses; it must say the same.
+    fn bound(&self, certificate: &CertificateDocument, count: usize) -> Result<Rounded, CertifyError> {
+        let instance = self.chooser.instance(count)?;
+        let bound = log_bound(certificate, self.terms, self.chooser.constraints(), instance.caps(), count)?;
+        trusted("the bound", bound.uncertainty)?;
+        self.equal("the certificate's bound", certificate.bound, bound.log, SAME + bound.uncertainty)?;
+        Ok(bound)
+    }
+
+    /// Checks that the poses reach the accuracies that the problem wishes for and that fewer are proven not to; the least
+    /// number that may, where a matrix alone proves it.
+    fn least(
+        &self,
+        stated: &FewestDocument,
+        problem: &Problem,
+        accuracy: &PredictedAccuracy,
+    ) -> Result<Option<usize>, CertifyError> {
+        let FewestDocument { accuracies, least, refutation, nodes } = stated;
+        let found = accuracy.reached(problem);
+        if accuracies.len() != found.len() {
+            return Err(CertifyError::Wishes);
+        }
+        for (AccuracyDocument { name, wished, reached }, found) in accuracies.iter().zip(&found) {
+            if *name != found.name || *wished != found.wished {
+                return Err(CertifyError::Wishes);
+            }
+            number(&format!("the accuracy reached of {name}"), *reached, found.reached, accuracy.tolerance)?;
+        }
+        if self.value.log < -SAME - self.value.uncertainty {
+            return Err(CertifyError::Accuracy { value: natural(self.terms, self.value.log) });
+        }
+        let Some(refutation) = refutation else {
+            // Without a proof only those are out that cannot be chosen.
+            let fewest_allowed = self.chooser.constraints().required.len().max(1);
+            same("the least number of poses that may be chosen", least, &fewest_allowed)?;
+            same("the number of nodes without a refutation", nodes, &0)?;
+            return Ok(None);
+        };
+        let count = least.saturating_sub(1);
+        if *least > self.selected.len() || count == 0 {
+            return Err(CertifyError::Refutation { count });
+        }
+        let bound = self.bound(refutation, count)?;
+        let refutes = bound.log < SAME + bound.uncertainty;
+        if !refutes && *nodes == 0 {
+            return Err(CertifyError::Refutation { count });
+        }
+        Ok(refutes.then_some(*least))
+    }
+}
+
+/// Refuses what rounding leaves too little of.
+fn trusted(what: &'static str, uncertainty: f64) -> Result<(), CertifyError> {
+    if uncertainty <= MOST_ROUNDING { Ok(()) } else { Err(CertifyError::Rounding { what, share: uncertainty }) }
+}

@@ -1,0 +1,58 @@
+//! What a plan says beside what is proven of it.
+
+use serde_json::Value;
+
+use crate::plan::document::Plan;
+
+/// A field of a plan that is not checked.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Unchecked {
+    /// Its key, with those above it, as in `search.nodes`.
+    pub field: String,
+    /// Why not.
+    pub reason: &'static str,
+}
+
+/// How the poses were found: nothing depends on it.
+pub(crate) const HOW_FOUND: &str = "tells how the poses were found; what is proven of them does not depend on it";
+/// What a search says of itself.
+pub(crate) const EFFORT: &str = "tells of a search's effort, which only the search repeats";
+/// What a search claims.
+pub(crate) const BY_SEARCH: &str = "was found by search, which `calipose plan` repeats; the matrix proves less";
+
+impl Unchecked {
+    pub(crate) fn all(fields: &[&str], reason: &'static str) -> Vec<Self> {
+        fields.iter().map(|&field| Self { field: field.into(), reason }).collect()
+    }
+
+    /// Fields of `text`, the content of a `plan.json`, that this program does not know.
+    pub fn unknown(text: &str, plan: &Plan) -> Vec<Self> {
+        fn walk(path: &str, text: &Value, known: &Value, unknown: &mut Vec<Unchecked>) {
+            match (text, known) {
+                (Value::Object(text), Value::Object(known)) => {
+                    for (key, value) in text {
+                        let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+                        match known.get(key) {
+                            Some(known) => walk(&path, value, known, unknown),
+                            None if value.is_null() => {}
+                            None => {
+                                unknown.extend(Unchecked::all(&[&path], "is not known to this version of calipose"));
+                            }
+                        }
+                    }
+                }
+                (Value::Array(text), Value::Array(known)) => {
+                    for (i, (text, known)) in text.iter().zip(known).enumerate() {
+                        walk(&format!("{path}[{i}]"), text, known, unknown);
+                    }
+                }
+                _ => {}
+            }
+        }
+        let mut unknown = Vec::new();
+        if let (Ok(text), Ok(known)) = (serde_json::from_str(text), serde_json::to_value(plan)) {
+            walk("", &text, &known, &mut unknown);
+        }
+        unknown
+    }
+}

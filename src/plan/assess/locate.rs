@@ -1,0 +1,188 @@
+//! A plan that was written, found again in a survey of its problem.
+
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use thiserror::Error;
+
+use crate::figures::grouped;
+use crate::information::Criterion;
+use crate::plan::choose::ACCURACY;
+use crate::plan::choose::{Chooser, PlanError};
+use crate::plan::document::{Plan, PlannedPose, joints_deg};
+use crate::plan::survey::Survey;
+use crate::problem::Problem;
+
+/// Why a plan does not fit the survey.
+#[derive(Debug, Error)]
+pub enum RecallError {
+    /// A pose is no view.
+    #[error("its pose {id} is not among the {} configurations that see the board", grouped(*views))]
+    NotAView {
+        /// The pose's id.
+        id: usize,
+        /// Number of views.
+        views: usize,
+    },
+    /// A pose's joint values are not those of its id.
+    #[error("the joint values of its pose {id} are not those of the swept configuration {id}")]
+    Moved {
+        /// The pose's id.
+        id: usize,
+    },
+    /// A pose is in the plan twice.
+    #[error("its pose {id} is in it twice")]
+    Twice {
+        /// The pose's id.
+        id: usize,
+    },
+    /// Its joints are not the robot's.
+    #[error("its joints are {}; the robot's are {}", stated.join(", "), found.join(", "))]
+    Joints {
+        /// Names in the plan.
+        stated: Vec<String>,
+        /// The robot's.
+        found: Vec<String>,
+    },
+    /// Its intrinsics are not those that the problem estimates.
+    #[error("its intrinsics are {}; the problem estimates {}", stated.join(", "), found.join(", "))]
+    Intrinsics {
+        /// Names in the plan.
+        stated: Vec<String>,
+        /// Those that are estimated.
+        found: Vec<String>,
+    },
+    /// The hash is of the problem file alone; a camera file that it names may have changed.
+    #[error("it was made for another nominal camera; make a new plan")]
+    Camera,
+    /// There are no poses, or of another robot.
+    #[error("its poses do not have the robot's {dof} joint values")]
+    JointValues {
+        /// Number of the robot's joints.
+        dof: usize,
+    },
+    /// A robot's description that the problem file names may have changed, too.
+    #[error(
+        "the joint values of its pose {id} lead elsewhere than it says: the robot was changed, or the plan; make a new plan"
+    )]
+    Elsewhere {
+        /// The pose's id.
+        id: usize,
+    },
+    /// What it optimises is not known.
+    #[error("it optimises \"{criterion}\", which is no criterion of the problem")]
+    Criterion {
+        /// What it says.
+        criterion: String,
+    },
+    /// The problem's constraints or criteria cannot be held.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+}
+
+impl Plan {
+    /// Checks that the plan is of the problem's robot, camera and criteria: names, nominal values, and every pose where it says.
+    ///
+    /// # Errors
+    /// When it is not.
+    pub fn fit(&self, problem: &Problem) -> Result<(), RecallError> {
+        let chain = &problem.robot.chain;
+        let joints: Vec<String> = chain.joints.iter().map(|joint| joint.name.clone()).collect();
+        if self.joints != joints {
+            return Err(RecallError::Joints { stated: self.joints.clone(), found: joints });
+        }
+        let names = problem.estimated_names();
+        if self.intrinsics.names != names {
+            let found = names.into_iter().map(String::from).collect();
+            return Err(RecallError::Intrinsics { stated: self.intrinsics.names.clone(), found });
+        }
+        let nominal = problem.estimated.iter().map(|&i| problem.camera.intrinsics()[i]);
+        if !nominal.eq(self.intrinsics.nominal.iter().copied()) {
+            return Err(RecallError::Camera);
+        }
+        // The command line may ask for one criterion, but several are the file's.
+        let asked = &problem.selection.criteria;
+        let is_asked = |(stated, asked): (&(Criterion, f64), &(Criterion, f64))| {
+            stated.0 == asked.0 && (stated.1 - asked.1).abs() < 1e-12
+        };
+        let is_files = |criteria: &[(Criterion, f64)]| {
+            criteria.len() == 1 || criteria.len() == asked.len() && criteria.iter().zip(asked).all(is_asked)
+        };
+        if self.criteria().is_some_and(|criteria| !is_files(&criteria)) {
+            return Err(RecallError::Criterion { criterion: self.criterion.clone() });
+        }
+        let dof = chain.dof();
+        if self.poses.is_empty() || self.poses.iter().any(|pose| pose.joints_rad.len() != dof) {
+            return Err(RecallError::JointValues { dof });
+        }
+        match self.poses.iter().find(|pose| !pose.is_there(problem)) {
+            Some(pose) => Err(RecallError::Elsewhere { id: pose.id }),
+            None => Ok(()),
+        }
+    }
+
+    /// The chooser that made the plan, by its criteria or by the accuracies that the problem wishes for, and its poses as
+    /// indices into the survey's views, in the plan's order.
+    ///
+    /// # Errors
+    /// When a pose is no view of the survey, or the criteria are not known.
+    pub fn recall<'a>(
+        &self,
+        problem: &'a Problem,
+        survey: &'a Survey,
+    ) -> Result<(Chooser<'a>, Vec<usize>), RecallError> {
+        let chooser = Chooser::new(problem, survey)?;
+        let chooser = match self.criteria() {
+            Some(criteria) => chooser.by(&criteria)?,
+            None if self.criterion == ACCURACY && !problem.selection.accuracies.is_empty() => chooser.by_accuracies(),
+            None => return Err(RecallError::Criterion { criterion: self.criterion.clone() }),
+        };
+        Ok((chooser, self.places(survey)?))
+    }
+
+    /// The criteria that the plan optimises and their shares; `None` for accuracies, and where a name is not known or the
+    /// shares are not positive and of sum one.
+    pub fn criteria(&self) -> Option<Vec<(Criterion, f64)>> {
+        let named = |name: &str| Criterion::ALL.into_iter().find(|criterion| criterion.name() == name);
+        let terms = self.certificate.terms.iter();
+        let criteria: Option<Vec<_>> = terms.map(|term| Some((named(&term.criterion)?, term.share))).collect();
+        criteria.filter(|criteria| {
+            let sum: f64 = criteria.iter().map(|(_, share)| share).sum();
+            criteria.iter().all(|&(_, share)| share > 0.0) && (sum - 1.0).abs() < 1e-9
+        })
+    }
+
+    /// The poses' places among the survey's views, whose joint values must be theirs.
+    fn places(&self, survey: &Survey) -> Result<Vec<usize>, RecallError> {
+        let views = &survey.views;
+        let mut places = Vec::with_capacity(self.poses.len());
+        for pose in &self.poses {
+            let id = pose.id;
+            let place = views.binary_search_by_key(&id, |view| view.id);
+            let place = place.map_err(|_| RecallError::NotAView { id, views: views.len() })?;
+            let q = &views[place].q;
+            let same = pose.joints_rad.iter().zip(q).all(|(a, b)| (a - b).abs() <= 1e-12);
+            if pose.joints_rad.len() != q.len() || !same {
+                return Err(RecallError::Moved { id });
+            }
+            if places.contains(&place) {
+                return Err(RecallError::Twice { id });
+            }
+            places.push(place);
+        }
+        Ok(places)
+    }
+}
+
+impl PlannedPose {
+    /// Whether the joint values, in rad and in degrees alike, bring the camera to where the pose says.
+    fn is_there(&self, problem: &Problem) -> bool {
+        let X_BC = problem.robot.camera_pose(&self.joints_rad);
+        let [x, y, z] = self.camera_in_base.position_m;
+        let [i, j, k, w] = self.camera_in_base.quaternion_xyzw;
+        let planned = UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k));
+        let joints_deg = joints_deg(&problem.robot.chain, &self.joints_rad);
+        (X_BC.translation.vector - Vector3::new(x, y, z)).norm() < 1e-9
+            && X_BC.rotation.angle_to(&planned) < 1e-7
+            && self.joints_deg.len() == joints_deg.len()
+            && self.joints_deg.iter().zip(&joints_deg).all(|(a, b)| (a - b).abs() < 1e-9)
+    }
+}

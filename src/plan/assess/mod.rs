@@ -1,0 +1,22 @@
+//! What is asked of a plan once there is one.
+
+mod certify;
+mod compare;
+mod explain;
+mod locate;
+mod next;
+mod polish;
+mod reach;
+mod rehearsal;
+mod retaken;
+mod verify;
+
+pub use certify::{BrokenConstraint, CertifyError, Confirmed, Unchecked, certify};
+pub use compare::{Comparison, Equivalent, Row, compare, equivalent_kmeans};
+pub use explain::{ExplainSettings, explain};
+pub use locate::RecallError;
+pub use next::{Proposal, Wish, next};
+pub use polish::{PolishSettings, Polished, polish};
+pub use reach::reach_starts;
+pub use rehearsal::Rehearsal;
+pub use verify::{VerifyError, verify};

@@ -1,0 +1,114 @@
+//! The next poses, given what is already known.
+
+use rayon::prelude::*;
+
+use super::rehearsal::{Rehearsal, rehearse};
+use super::retaken::Taken;
+use crate::calibration::{Calibration, Observations};
+use crate::feasibility::View;
+use crate::plan::choose::{Chooser, PlanError};
+use crate::plan::document::{PlannedPose, poses_csv};
+use crate::plan::survey::candidates;
+use crate::problem::Method;
+use crate::problem::{PoseConstraints, Problem};
+
+/// How many poses to propose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Wish {
+    /// So many.
+    Count(usize),
+    /// As few as bring the expected RMS map error, px, down to `map_error`, at most `most`.
+    Accuracy {
+        /// The map error wished for, px.
+        map_error: f64,
+        /// Most poses to propose.
+        most: usize,
+    },
+}
+
+/// Poses to take next.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Proposal {
+    /// Map error by what is known, px.
+    pub known: f64,
+    /// Map error expected after the poses, px; no larger than `known`. Both are linearised about the camera found so far.
+    pub expected: f64,
+    /// What simulated calibrations with these poses came to, with cameras drawn from what is known; none without poses.
+    pub rehearsal: Option<Rehearsal>,
+    /// Whether the wish is fulfilled.
+    pub fulfilled: bool,
+    /// The poses; none if what is known suffices.
+    pub poses: Vec<PlannedPose>,
+    /// For each of them the view taken that it would repeat.
+    pub repeats: Vec<Option<usize>>,
+}
+
+impl Proposal {
+    /// The poses as CSV, as those of `plan.csv`.
+    ///
+    /// # Errors
+    /// Never in practice: the writer writes to memory.
+    pub fn to_csv(&self, problem: &Problem) -> Result<Vec<u8>, csv::Error> {
+        poses_csv(&problem.robot.chain.joints, &self.poses)
+    }
+}
+
+/// Proposes the poses of `problem` that teach most beside what `calibration` of the views taken so far, `observations`, knows; only
+/// such that repeat none of those views if `is_new`. The candidates are surveyed anew with the calibrated camera and its noise.
+///
+/// # Errors
+/// When there are no views to choose from, or the calibration's covariance is not positive definite.
+pub fn next(
+    problem: &Problem,
+    observations: &Observations,
+    calibration: &Calibration,
+    wish: Wish,
+    is_new: bool,
+    observe: &(dyn Fn(usize) + Sync),
+) -> Result<Proposal, PlanError> {
+    let mut problem = Problem { camera: calibration.camera.clone(), noise: calibration.sigma, ..problem.clone() };
+    let survey = candidates(&problem, observe)?;
+    let taken = Taken::new(observations, &calibration.camera);
+    if is_new {
+        let repeated = survey.views.par_iter().filter(|view| taken.like(view).is_some()).map(|view| view.id);
+        let repeated: Vec<usize> = repeated.collect();
+        let PoseConstraints { required, forbidden, .. } = &mut problem.constraints;
+        forbidden.extend(repeated.into_iter().filter(|id| !required.contains(id)));
+        forbidden.sort_unstable();
+        forbidden.dedup();
+    }
+    let problem = problem;
+    let known = (&survey.map_weight * &calibration.covariance).trace().sqrt();
+    let prior = calibration.covariance.clone().cholesky().ok_or(PlanError::Covariance)?.inverse();
+    let chooser = Chooser::new(&problem, &survey)?.with_prior(&prior)?;
+    let nothing =
+        Proposal { known, expected: known, rehearsal: None, fulfilled: false, poses: vec![], repeats: vec![] };
+    let (counts, goal) = match wish {
+        Wish::Count(count) => (count..=count, f64::INFINITY),
+        Wish::Accuracy { map_error, .. } if known <= map_error => return Ok(Proposal { fulfilled: true, ..nothing }),
+        Wish::Accuracy { map_error, most } => {
+            let fewest = problem.constraints.required.len().max(1);
+            (fewest..=most.min(survey.views.len()).max(fewest), map_error)
+        }
+    };
+    let mut chosen = None;
+    for count in counts {
+        let choice = chooser.choose(Method::Exchange, count, problem.selection.seed)?;
+        let is_enough = choice.map_error <= goal;
+        chosen = Some(choice);
+        if is_enough {
+            break;
+        }
+    }
+    let Some(choice) = chosen else { return Ok(nothing) };
+    let shares = chooser.shares(&choice.selected)?;
+    let views: Vec<&View> = choice.selected.iter().map(|&i| &survey.views[i]).collect();
+    Ok(Proposal {
+        expected: choice.map_error,
+        rehearsal: rehearse(observations, calibration, &views, &survey.map_weight, problem.selection.seed),
+        fulfilled: choice.map_error <= goal,
+        poses: views.iter().zip(shares).map(|(view, share)| PlannedPose::new(&problem, view, share)).collect(),
+        repeats: views.iter().map(|view| taken.like(view)).collect(),
+        ..nothing
+    })
+}

@@ -1,0 +1,81 @@
+//! Simulated calibrations of a plan.
+
+use nalgebra::DMatrix;
+use thiserror::Error;
+
+use crate::calibration::CalibrationSettings;
+use crate::information::{Measurement, map_error_weight};
+use crate::problem::Problem;
+use crate::selection::packed::{inverse, unpack};
+use crate::spatial::Pose;
+use crate::target::Corners;
+use crate::verification::{Disturbance, MonteCarlo, MonteCarloError, Nominal, Prediction, Trials, monte_carlo};
+
+/// Why a plan could not be verified.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum VerifyError {
+    /// A pose does not show the whole board to the nominal camera.
+    #[error("from pose {pose} the nominal camera does not see every corner of the board")]
+    NotSeen {
+        /// The pose, from 1.
+        pose: usize,
+    },
+    /// The poses leave a combination of the intrinsics undetermined.
+    #[error("the {poses} poses do not determine all intrinsics, so nothing is predicted for them")]
+    Unobservable {
+        /// Number of poses.
+        poses: usize,
+    },
+    /// The trials were refused.
+    #[error(transparent)]
+    MonteCarlo(#[from] MonteCarloError),
+}
+
+/// Simulates `count` calibrations from pictures taken at `configurations` (joint values in rad or m, one list per pose),
+/// disturbed as told, and holds their scatter against the prediction for the undisturbed plan. `observe` is told the number
+/// of trials done.
+///
+/// # Errors
+/// When nothing is predicted for the poses. Failed trials are counted, not errors.
+pub fn verify(
+    problem: &Problem,
+    configurations: &[Vec<f64>],
+    disturbance: &Disturbance,
+    count: usize,
+    seed: u64,
+    observe: &(dyn Fn(usize) + Sync),
+) -> Result<MonteCarlo, VerifyError> {
+    let Problem { robot, camera, target, noise, estimated, .. } = problem;
+    let corners: Vec<_> = target.board.corners().collect();
+    let measurement = Measurement { camera, corners: &corners, noise: *noise, estimated };
+    let mut M = DMatrix::zeros(estimated.len(), estimated.len());
+    let mut seen = Vec::with_capacity(configurations.len());
+    let checks = problem.visibility.min_corners.map(|_| problem.checks());
+    for (i, q) in configurations.iter().enumerate() {
+        let not_seen = VerifyError::NotSeen { pose: i + 1 };
+        let corners = match &checks {
+            Some(checks) => checks.view(i, q.clone()).map_err(|_| not_seen.clone())?.seen,
+            None => Corners::All,
+        };
+        let X_CT: Pose = robot.camera_pose(q).inverse() * target.X_BT;
+        let information = measurement.information(&X_CT, &corners).ok_or(not_seen)?;
+        seen.push(corners);
+        M += unpack(&information, estimated.len());
+    }
+    let unobservable = VerifyError::Unobservable { poses: configurations.len() };
+    let covariance = inverse(&M).ok_or(unobservable)?;
+    let map_weight = map_error_weight(camera, estimated);
+    let nominal = Nominal { robot, camera, target, sigma: *noise };
+    let planned: Vec<_> = configurations.iter().zip(&seen).collect();
+    let scene = |trial| disturbance.scene(&nominal, &planned, seed, trial);
+    let trials = Trials {
+        camera,
+        board: &target.board,
+        scene: &scene,
+        estimated,
+        settings: CalibrationSettings::default(),
+        count,
+        seed,
+    };
+    Ok(monte_carlo(&trials, &Prediction { covariance: &covariance, map_weight: &map_weight }, observe)?)
+}

@@ -1,0 +1,160 @@
+//! The problem's constraints in terms of the survey's views.
+
+use nalgebra::{DMatrix, Point3, Vector3};
+use thiserror::Error;
+
+use crate::feasibility::View;
+use crate::figures::grouped;
+use crate::information::Measurement;
+use crate::plan::survey::Survey;
+use crate::problem::{JointRegion, PoseConstraints, Problem};
+use crate::robot::JointKind;
+use crate::selection::packed::unpack;
+use crate::selection::{Cap, Constraints, Separation};
+use crate::spatial::Pose;
+use crate::sweep::AxisRule;
+use crate::target::{AxisCase, Corners};
+
+/// Why the problem's constraints cannot be held.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum ConstraintError {
+    /// A pose that must be in the plan is no view.
+    #[error("pose {id} is required, but it is not among the {} configurations that see the board", grouped(*views))]
+    NotAView {
+        /// The pose's id.
+        id: usize,
+        /// Number of views.
+        views: usize,
+    },
+    /// A pose that must be in the plan is in a region without poses.
+    #[error("pose {id} is required, but lies in region {region} of `constraints.keep_out`")]
+    KeptOut {
+        /// The pose's id.
+        id: usize,
+        /// The region, from 1.
+        region: usize,
+    },
+    /// A view taken already does not see the board.
+    #[error("from captured view {view} the nominal camera does not see enough of the board")]
+    CapturedUnseen {
+        /// The view, from 1.
+        view: usize,
+    },
+}
+
+/// The constraints on the views of a survey.
+///
+/// # Errors
+/// When a required pose is no view or in a region without poses.
+pub(crate) fn constraints(problem: &Problem, survey: &Survey) -> Result<Constraints, ConstraintError> {
+    let PoseConstraints { required, forbidden, captured: _, keep_out, groups, joint_separation, view_separation } =
+        &problem.constraints;
+    let views = &survey.views;
+    // Views are in ascending order of their ids.
+    let place = |id: usize| views.binary_search_by_key(&id, |view| view.id).ok();
+    let mut indices = Vec::with_capacity(required.len());
+    for &id in required {
+        let i = place(id).ok_or(ConstraintError::NotAView { id, views: views.len() })?;
+        if let Some(region) = keep_out.iter().position(|region| region.contains(&views[i].q)) {
+            return Err(ConstraintError::KeptOut { id, region: region + 1 });
+        }
+        indices.push(i);
+    }
+    let within =
+        |region: &JointRegion| -> Vec<usize> { (0..views.len()).filter(|&i| region.contains(&views[i].q)).collect() };
+    // A forbidden pose that is no view is out anyway.
+    let forbidden = forbidden.iter().filter_map(|&id| place(id)).chain(keep_out.iter().flat_map(within)).collect();
+    let caps = groups.iter().map(|group| Cap { members: within(&group.region), most: group.most }).collect();
+    let mut separations = Vec::new();
+    if *joint_separation > 0.0 {
+        let points = views.iter().map(|view| angles(problem, view)).collect();
+        separations.push(Separation { points, least: *joint_separation });
+    }
+    if *view_separation > 0.0 {
+        separations.push(Separation { points: views.iter().map(direction).collect(), least: chord(*view_separation) });
+    }
+    Ok(Constraints { required: indices, forbidden, caps, separations })
+}
+
+/// Whether a view that was not swept may stand beside `others`: by the axis test, the regions and the separations.
+pub(crate) fn allows(problem: &Problem, others: &[&View], view: &View) -> bool {
+    let constraints = &problem.constraints;
+    let within = |region: &JointRegion| others.iter().filter(|other| region.contains(&other.q)).count();
+    let apart = |point: &dyn Fn(&View) -> Vec<f64>, least: f64| {
+        let own = point(view);
+        let distance = |other: &View| own.iter().zip(point(other)).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
+        least == 0.0 || others.iter().all(|other| distance(other) >= least)
+    };
+    (problem.axis == AxisRule::Any || view.axis_case(&problem.target) != AxisCase::Outside)
+        && !constraints.keep_out.iter().any(|region| region.contains(&view.q))
+        && constraints.groups.iter().all(|g| !g.region.contains(&view.q) || within(&g.region) < g.most)
+        && apart(&|view| angles(problem, view), constraints.joint_separation)
+        && apart(&direction, chord(constraints.view_separation))
+}
+
+/// Values of the revolute joints.
+fn angles(problem: &Problem, view: &View) -> Vec<f64> {
+    let joints = view.q.iter().zip(&problem.robot.chain.joints);
+    joints.filter(|(_, joint)| joint.kind == JointKind::Revolute).map(|(&q, _)| q).collect()
+}
+
+/// Unit vector from the board's centre to the camera, in the board's frame.
+fn direction(view: &View) -> Vec<f64> {
+    let toward: Vector3<f64> = view.X_CT.inverse().translation.vector.normalize();
+    toward.iter().copied().collect()
+}
+
+/// Distance of two unit vectors at an angle.
+fn chord(angle: f64) -> f64 {
+    2.0 * (0.5 * angle).sin()
+}
+
+/// A view taken already, of the corners that its configuration sees.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Captured {
+    pub(crate) X_CT: Pose,
+    pub(crate) seen: Corners,
+}
+
+/// The views taken already.
+///
+/// # Errors
+/// When one does not see the board.
+pub(crate) fn captured(problem: &Problem) -> Result<Vec<Captured>, ConstraintError> {
+    let corners: Vec<_> = problem.target.board.corners().collect();
+    let view = |(view, q): (usize, &Vec<f64>)| {
+        let X_CT = problem.robot.camera_pose(q).inverse() * problem.target.X_BT;
+        let camera = &problem.camera;
+        let in_image =
+            |corner: &Point3<f64>| camera.project(&(X_CT * corner)).is_some_and(|pixel| camera.contains(&pixel, 0.0));
+        let printed_side = (X_CT.rotation * Vector3::z()).dot(&X_CT.translation.vector) < 0.0;
+        let seen: Vec<usize> = (0..corners.len()).filter(|&i| in_image(&corners[i])).collect();
+        if !printed_side || seen.len() < problem.visibility.min_corners.unwrap_or(corners.len()) {
+            return Err(ConstraintError::CapturedUnseen { view: view + 1 });
+        }
+        let seen = if seen.len() == corners.len() { Corners::All } else { Corners::Some(seen) };
+        Ok(Captured { X_CT, seen })
+    };
+    problem.constraints.captured.iter().enumerate().map(view).collect()
+}
+
+/// The p×p information on the intrinsics that is known before the first pose is chosen: of the views taken already, and the
+/// standard deviations stated.
+///
+/// # Errors
+/// When a view taken does not see enough of the board.
+pub(crate) fn known(problem: &Problem, captured: &[Captured]) -> Result<DMatrix<f64>, ConstraintError> {
+    let p = problem.estimated.len();
+    let corners: Vec<_> = problem.target.board.corners().collect();
+    let measurement =
+        Measurement { camera: &problem.camera, corners: &corners, noise: problem.noise, estimated: &problem.estimated };
+    let mut known = DMatrix::zeros(p, p);
+    for &(j, sigma) in &problem.prior_sigma {
+        known[(j, j)] += sigma.powi(-2);
+    }
+    for (view, Captured { X_CT, seen }) in captured.iter().enumerate() {
+        let information = measurement.information(X_CT, seen);
+        known += unpack(&information.ok_or(ConstraintError::CapturedUnseen { view: view + 1 })?, p);
+    }
+    Ok(known)
+}

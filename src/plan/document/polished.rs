@@ -1,0 +1,122 @@
+//! A polished plan as it is written: `polished.json` and `polished.csv`.
+
+use serde::{Deserialize, Serialize};
+
+use super::plan::{Intrinsics, Plan, PlannedPose, ProblemReference, poses_csv};
+use super::proof::CertificateDocument;
+use crate::plan::assess::Polished;
+use crate::plan::choose::Chooser;
+use crate::problem::Problem;
+use crate::robot::Joint;
+
+/// Value of the key `format`.
+pub const POLISHED_FORMAT: &str = "calipose.polished";
+
+/// Value of the key `version`; rises when a reader of the older version would misread the file.
+pub const POLISHED_VERSION: u32 = 1;
+
+/// Value of the key `proven`.
+pub const PROVEN: &str = "the certificate is of the grid; off the grid nothing is proven";
+
+/// A plan whose poses were moved off the grid, key by key as in `polished.json`. SI units, angles in rad unless the key says
+/// otherwise.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PolishedPlan {
+    /// [`POLISHED_FORMAT`].
+    pub format: String,
+    /// [`POLISHED_VERSION`].
+    pub version: u32,
+    /// Version of calipose that polished.
+    pub calipose: String,
+    /// The problem that the plan answers.
+    pub problem: ProblemReference,
+    /// What is optimised, as in the plan.
+    pub criterion: String,
+    /// Number of poses.
+    pub count: usize,
+    /// The criterion's value, as in plans.
+    pub value: f64,
+    /// What the polished poses gain over those of the grid: Φ / Φ(grid) − 1, at least 0.
+    pub gain: f64,
+    /// Φ as a share of the bound that holds on the grid; off it the share may exceed 1.
+    pub efficiency_by_grid_bound: f64,
+    /// Predicted standard deviations.
+    pub intrinsics: Intrinsics,
+    /// Predicted RMS error of the calibrated projection over the image, in px.
+    pub map_error_px: f64,
+    /// Cycles over all poses.
+    pub cycles: usize,
+    /// Whether the last cycle gained next to nothing.
+    pub converged: bool,
+    /// What is proven of the polished poses: [`PROVEN`].
+    pub proven: String,
+    /// The plan on the grid.
+    pub grid: GridPlan,
+    /// Names of the joints, in the order of the poses' joint values.
+    pub joints: Vec<String>,
+    /// The poses; `id` is that of the pose of the grid which each started from.
+    pub poses: Vec<PlannedPose>,
+}
+
+/// The plan on the grid, and what is proven of it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct GridPlan {
+    /// Its value.
+    pub value: f64,
+    /// What no other set of the grid can surpass.
+    pub bound: f64,
+    /// Its certified efficiency.
+    pub efficiency: f64,
+    /// Its map error in px.
+    pub map_error_px: f64,
+    /// The proof of the bound.
+    pub certificate: CertificateDocument,
+}
+
+impl PolishedPlan {
+    /// What was polished of `plan` by `chooser`.
+    pub fn new(problem: &Problem, chooser: &Chooser, plan: &Plan, polished: &Polished) -> Self {
+        let gain = (polished.log_value - polished.grid_log_value).exp();
+        let poses = polished.views.iter().zip(&polished.shares);
+        Self {
+            format: POLISHED_FORMAT.into(),
+            version: POLISHED_VERSION,
+            calipose: env!("CARGO_PKG_VERSION").into(),
+            problem: plan.problem.clone(),
+            criterion: plan.criterion.clone(),
+            count: plan.count,
+            value: chooser.natural(polished.log_value),
+            gain: gain - 1.0,
+            efficiency_by_grid_bound: plan.efficiency * gain,
+            intrinsics: Intrinsics { sigma: polished.sigma.clone(), ..plan.intrinsics.clone() },
+            map_error_px: polished.map_error,
+            cycles: polished.cycles,
+            converged: polished.converged,
+            proven: PROVEN.into(),
+            grid: GridPlan {
+                value: plan.value,
+                bound: plan.bound,
+                efficiency: plan.efficiency,
+                map_error_px: plan.map_error_px,
+                certificate: plan.certificate.clone(),
+            },
+            joints: plan.joints.clone(),
+            poses: poses.map(|(view, &share)| PlannedPose::new(problem, view, share)).collect(),
+        }
+    }
+
+    /// The bytes of `polished.json`.
+    pub fn to_json(&self) -> String {
+        let mut text = serde_json::to_string_pretty(self).unwrap_or_default();
+        text.push('\n');
+        text
+    }
+
+    /// The bytes of `polished.csv`, as those of `plan.csv`.
+    ///
+    /// # Errors
+    /// Never in practice: the writer writes to memory.
+    pub fn to_csv(&self, joints: &[Joint]) -> Result<Vec<u8>, csv::Error> {
+        poses_csv(joints, &self.poses)
+    }
+}

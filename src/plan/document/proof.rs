@@ -1,0 +1,119 @@
+//! What a plan proves, as it is written: parts of `plan.json`.
+
+use serde::{Deserialize, Serialize};
+
+use crate::information::Criterion;
+use crate::plan::choose::SearchSummary;
+use crate::plan::choose::{ACCURACY, Objective};
+use crate::selection::packed::{packed_len, unpack};
+use crate::selection::{Certificate, SearchEnd};
+
+/// The numbers that prove a bound: scores `Σ_t ⟨Y_t, M_ti⟩` less the prices of the caps, see the book's page "The method".
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CertificateDocument {
+    /// The bound that they prove, as [`Plan::bound`](crate::plan::document::Plan::bound).
+    pub bound: f64,
+    /// One term per criterion.
+    pub terms: Vec<CertificateTerm>,
+    /// For accuracies, the mixture λ of the names' variances that the bound is taken for.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub mixture: Vec<f64>,
+    /// Prices of the constraints' groups that bind: first those of the file in its order, then the cells of the separations.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub prices: Vec<Price>,
+}
+
+/// A criterion's part of a certificate.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CertificateTerm {
+    /// Name of the criterion.
+    pub criterion: String,
+    /// Its share.
+    pub share: f64,
+    /// Y, p×p, positive semidefinite, row by row; the share is in it.
+    pub matrix: Vec<Vec<f64>>,
+}
+
+/// The price of a group.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Price {
+    /// Number of the group, from 0.
+    pub group: usize,
+    /// Its price, at least 0.
+    pub price: f64,
+}
+
+/// How the search for the proven best set went.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SearchDocument {
+    /// "optimal"; or what ended it before: "node limit", "time limit or interrupt": [`SearchDocument::ENDS`].
+    pub end: String,
+    /// Parts of the search space that were bounded.
+    pub nodes: usize,
+    /// Candidates left after those that no better set can hold.
+    pub candidates: usize,
+}
+
+/// Why no fewer poses suffice.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FewestDocument {
+    /// What was wished for, and what the plan reaches.
+    pub accuracies: Vec<AccuracyDocument>,
+    /// Fewer poses than this are proven not to suffice; as many as the plan has if the proof is complete.
+    pub least: usize,
+    /// The proof that `least - 1` do not suffice: its bound on the least of (wished / reached)² is below 1. Where a search
+    /// was needed, the bound that it started from.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub refutation: Option<CertificateDocument>,
+    /// Parts of the search space that were bounded for it; 0 if the refutation stands alone.
+    pub nodes: usize,
+}
+
+/// An accuracy, wished for and reached, as standard deviations.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AccuracyDocument {
+    /// `map_error_px` or the name of an intrinsic.
+    pub name: String,
+    /// What was wished for.
+    pub wished: f64,
+    /// What the plan reaches.
+    pub reached: f64,
+}
+
+impl SearchDocument {
+    /// How a search ends that proved the best set.
+    pub const OPTIMAL: &'static str = "optimal";
+
+    /// All ways to end.
+    pub const ENDS: [&'static str; 3] = [Self::OPTIMAL, "node limit", "time limit or interrupt"];
+
+    pub(crate) fn new(search: &SearchSummary) -> Self {
+        let end = match search.end {
+            SearchEnd::Optimal => 0,
+            SearchEnd::NodeLimit => 1,
+            SearchEnd::Stopped => 2,
+        };
+        Self { end: Self::ENDS[end].into(), nodes: search.nodes, candidates: search.open_at_root }
+    }
+}
+
+impl CertificateDocument {
+    pub(crate) fn new(objective: &Objective, certificate: &Certificate) -> Self {
+        let mut rest = certificate.y.as_slice();
+        let terms = objective.criteria().map(|(criterion, share, p)| {
+            let (own, others) = rest.split_at(packed_len(p));
+            rest = others;
+            CertificateTerm {
+                criterion: criterion.map_or(ACCURACY, Criterion::name).into(),
+                share,
+                matrix: unpack(own, p).row_iter().map(|row| row.iter().copied().collect()).collect(),
+            }
+        });
+        Self {
+            bound: objective.natural(certificate.log_bound),
+            terms: terms.collect(),
+            mixture: certificate.mixture.clone(),
+            prices: certificate.prices.iter().map(|&(group, price)| Price { group, price }).collect(),
+        }
+    }
+}

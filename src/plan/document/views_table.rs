@@ -1,0 +1,102 @@
+//! The candidates as a table: all that the paper stores of each configuration.
+
+use std::sync::Arc;
+
+use parquet::basic::Compression;
+use parquet::data_type::{DoubleType, Int64Type};
+use parquet::errors::ParquetError;
+use parquet::file::properties::WriterProperties;
+use parquet::file::writer::SerializedFileWriter;
+use parquet::schema::parser::parse_message_type;
+
+use super::plan::{Pose, joint_columns};
+use crate::feasibility::View;
+use crate::problem::Problem;
+
+/// Columns of numbers beside the id: joint values (rad or m), camera position (m) and orientation, intersection of the
+/// optical axis with the target's plane (m, NaN where there is none), tilt (deg), distance (m); the tip-over margin (m) where
+/// stability is tested, and the number of corners seen where not all must be.
+struct Table {
+    names: Vec<String>,
+    ids: Vec<i64>,
+    columns: Vec<Vec<f64>>,
+}
+
+impl Table {
+    fn new(problem: &Problem, views: &[View]) -> Self {
+        let joints = &problem.robot.chain.joints;
+        let fixed = [
+            "camera_x_m",
+            "camera_y_m",
+            "camera_z_m",
+            "camera_qx",
+            "camera_qy",
+            "camera_qz",
+            "camera_qw",
+            "target_x_m",
+            "target_y_m",
+            "target_z_m",
+            "tilt_deg",
+            "distance_m",
+        ];
+        let names = joint_columns(joints, ["rad", "m"]).chain(fixed.map(String::from));
+        let margin = problem.stability.as_ref().map(|_| "stability_margin_m".to_owned());
+        let corners = problem.visibility.min_corners.map(|_| "corners".to_owned());
+        let names: Vec<String> = names.chain(margin).chain(corners).collect();
+        let mut columns = vec![Vec::with_capacity(views.len()); names.len()];
+        for view in views {
+            let pose = Pose::new(&view.X_BC);
+            let target = view.target_point().map_or([f64::NAN; 3], |p| p.coords.into());
+            let row = view.q.iter().copied().chain(pose.position_m).chain(pose.quaternion_xyzw).chain(target);
+            let row = row.chain([view.tilt().to_degrees(), view.distance()]).chain(view.stability_margin);
+            let seen = || view.seen.indices(problem.target.board.corner_count()).len() as f64;
+            let row = row.chain(problem.visibility.min_corners.map(|_| seen()));
+            for (column, number) in columns.iter_mut().zip(row) {
+                column.push(number);
+            }
+        }
+        Self { names, ids: views.iter().map(|view| view.id.cast_signed() as i64).collect(), columns }
+    }
+}
+
+/// The views as CSV, one a line under a header.
+///
+/// # Errors
+/// Never in practice: the writer writes to memory.
+pub fn candidates_csv(problem: &Problem, views: &[View]) -> Result<Vec<u8>, csv::Error> {
+    let table = Table::new(problem, views);
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record(std::iter::once("id").chain(table.names.iter().map(String::as_str)))?;
+    for (i, id) in table.ids.iter().enumerate() {
+        let numbers = table.columns.iter().map(|column| column[i].to_string());
+        writer.write_record(std::iter::once(id.to_string()).chain(numbers))?;
+    }
+    writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))
+}
+
+/// The views as a Parquet file: an INT64 column `id` and DOUBLE columns, Snappy-compressed.
+///
+/// # Errors
+/// Never in practice: the writer writes to memory.
+pub fn candidates_parquet(problem: &Problem, views: &[View]) -> Result<Vec<u8>, ParquetError> {
+    let table = Table::new(problem, views);
+    // Column names in a schema text end at blanks; a joint may be named anything.
+    let plain = |name: &String| name.replace(|c: char| !c.is_alphanumeric() && c != '_', "_");
+    let doubles: String = table.names.iter().map(|name| format!("REQUIRED DOUBLE {};", plain(name))).collect();
+    let schema = parse_message_type(&format!("message candidates {{ REQUIRED INT64 id; {doubles} }}"))?;
+    let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
+    let mut file = SerializedFileWriter::new(Vec::new(), Arc::new(schema), Arc::new(properties))?;
+    let mut group = file.next_row_group()?;
+    if let Some(mut column) = group.next_column()? {
+        column.typed::<Int64Type>().write_batch(&table.ids, None, None)?;
+        column.close()?;
+    }
+    for numbers in &table.columns {
+        if let Some(mut column) = group.next_column()? {
+            column.typed::<DoubleType>().write_batch(numbers, None, None)?;
+            column.close()?;
+        }
+    }
+    group.close()?;
+    file.into_inner()
+}

@@ -1,0 +1,325 @@
+//! What a run would find and take, from a small pilot of every stage on the problem's own numbers.
+
+use std::time::{Duration, Instant};
+
+use rayon::prelude::*;
+
+use super::Survey;
+use super::refine::{join, spacings};
+use crate::feasibility::{Rejection, View};
+use crate::plan::assess::verify;
+use crate::plan::choose::{Chooser, PlanError};
+use crate::problem::Method;
+use crate::problem::{PoseConstraints, Problem};
+use crate::sweep::{AxisRule, sweep};
+use crate::target::AxisCase;
+use crate::verification::Disturbance;
+
+/// Configurations tried at most, and how long.
+const TRIED: usize = 20_000;
+const TRYING: Duration = Duration::from_millis(700);
+
+/// Configurations of the pilot sweep.
+const SWEPT: usize = 100_000;
+
+/// Views that the pilot selection has to choose from, and poses that it chooses, at most.
+const CANDIDATES: usize = 1200;
+const CHOSEN: usize = 40;
+
+/// Configurations that the pilot of refinement tries.
+const REFINED: usize = 400;
+
+/// Trials of the pilot of verification.
+const TRIALS: usize = 8;
+
+/// Boards with more corners than this along a side are thinned out for the pilot.
+const ALONG: usize = 12;
+
+/// Runs of k-means that the summary of a plan sets beside it.
+const CLUSTERINGS: f64 = 10.0;
+
+/// Selections that it takes to find the fewest poses, with the bounds on fewer.
+const FEWEST: f64 = 4.0;
+
+/// Bytes of the program before it does anything.
+const PROGRAM: f64 = 30e6;
+
+/// What a run of `plan` is expected to find and to take on this machine.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Forecast {
+    /// Configurations that were tried.
+    pub tried: usize,
+    /// Views to choose from, those of refinement not counted.
+    pub views: usize,
+    /// Poses: as many as asked for, or the fewest that reach the accuracies; none where that cannot be told.
+    pub count: Option<usize>,
+    /// Seconds, a search for the proven best set left out.
+    pub seconds: f64,
+    /// Bytes of memory at most.
+    pub bytes: f64,
+}
+
+/// What was learnt of the candidates.
+struct Pilot {
+    tried: usize,
+    /// Share of the configurations that the sweep hands on.
+    handed_on: f64,
+    views: Vec<View>,
+    /// Seconds to test a candidate, and to test one that is a view.
+    test: f64,
+    pass: f64,
+}
+
+/// Forecasts the run of `plan` that `trials` simulated calibrations end.
+pub fn forecast(problem: &Problem, trials: usize) -> Forecast {
+    let mut small = thinned(problem);
+    // Required poses are no views of the pilot; what is known beforehand stays.
+    small.constraints =
+        PoseConstraints { captured: problem.constraints.captured.clone(), ..PoseConstraints::default() };
+    let corners = problem.target.board.corner_count() as f64 / small.target.board.corner_count() as f64;
+    let total = problem.space.size();
+    let start = Instant::now();
+    let pilot = Pilot::new(&small);
+    let prepared = start.elapsed().as_secs_f64() - pilot.test * pilot.handed_on * pilot.tried as f64;
+    let share = pilot.views.len() as f64 / pilot.tried.max(1) as f64;
+    let views = share * total;
+    let candidates = pilot.handed_on * total;
+    let test = pilot.test + (corners - 1.0) * pilot.pass * share / pilot.handed_on.max(share).max(f64::MIN_POSITIVE);
+    let mut seconds = sweeping(problem) + prepared.max(0.0) + candidates * test;
+    let mut kept = views;
+    let mut count = problem.selection.accuracies.is_empty().then_some(problem.selection.count);
+    if let Some(chosen) = Chosen::new(&small, &pilot) {
+        seconds += views * corners * chosen.inform;
+        if let Some((try_one, joined)) = chosen.refining {
+            let sample = problem.refinement.sample as f64;
+            for _ in 0..problem.refinement.rounds {
+                seconds += sample * try_one * corners + chosen.exchange.at(kept, problem.selection.count as f64);
+                kept += sample * joined;
+            }
+        }
+        count = count.or_else(|| chosen.fewest(kept));
+        let k = count.unwrap_or(problem.selection.count) as f64;
+        seconds += chosen.selection.at(kept, k) + chosen.clustering.at(kept, k) * CLUSTERINGS;
+        seconds += chosen.trial * corners * k * trials as f64;
+    }
+    Forecast {
+        tried: pilot.tried,
+        views: views.round() as usize,
+        count,
+        seconds,
+        bytes: bytes(problem, candidates, kept),
+    }
+}
+
+/// Bytes at most: the candidates' numbers, the views and what they teach, while they are gathered twice.
+fn bytes(problem: &Problem, candidates: f64, views: f64) -> f64 {
+    let p = problem.estimated.len();
+    let numbers = problem.robot.chain.dof() + p * (p + 1) / 2 * (1 + problem.selection.criteria.len());
+    let seen = problem.visibility.min_corners.map_or(0, |_| problem.target.board.corner_count());
+    let view = size_of::<View>() + 8 * (numbers + seen) + 32;
+    PROGRAM + candidates * 16.0 + 2.0 * views * view as f64
+}
+
+/// The bytes that a run would need at most, from counts alone: quicker than a whole forecast.
+pub fn forecast_bytes(problem: &Problem) -> f64 {
+    let small = thinned(problem);
+    let pilot = Pilot::new(&small);
+    let total = problem.space.size();
+    let views = pilot.views.len() as f64 / pilot.tried.max(1) as f64 * total;
+    let refined = (problem.refinement.rounds * problem.refinement.sample) as f64;
+    bytes(problem, pilot.handed_on * total, views + refined)
+}
+
+/// The same problem with a board of few corners, as large as the problem's.
+fn thinned(problem: &Problem) -> Problem {
+    let mut small = problem.clone();
+    let board = &mut small.target.board;
+    let factor = (board.columns.max(board.rows) - 1).div_ceil(ALONG - 1).max(1);
+    let share = board.corner_count() as f64;
+    board.columns = ((board.columns - 1) / factor + 1).max(2);
+    board.rows = ((board.rows - 1) / factor + 1).max(2);
+    board.square *= factor as f64;
+    let share = board.corner_count() as f64 / share;
+    small.visibility.min_corner_spacing *= factor as f64;
+    small.visibility.min_corners = problem.visibility.min_corners.map(|least| ((least as f64 * share) as usize).max(4));
+    small
+}
+
+impl Pilot {
+    fn new(problem: &Problem) -> Self {
+        let Problem { robot, target, space, .. } = problem;
+        let checks = problem.checks();
+        let ids: Vec<usize> = space.evenly(TRIED).collect();
+        let meets = |&&id: &&usize| {
+            let X_TC = target.X_BT.inverse() * robot.camera_pose(&space.configuration(id));
+            let axis = X_TC.rotation * nalgebra::Vector3::z();
+            let t = -X_TC.translation.z / axis.z;
+            let point = X_TC.translation.vector + axis * t;
+            t > 0.0 && target.zone.case(point.x, point.y) != AxisCase::Outside
+        };
+        let (mut tried, mut handed_on, mut views) = (0, 0, Vec::new());
+        let (mut testing, mut batch) = (Duration::ZERO, 64);
+        while tried < ids.len() && testing < TRYING {
+            let some = &ids[tried..(tried + batch).min(ids.len())];
+            let candidates: Vec<usize> = match problem.axis {
+                AxisRule::Any => some.to_vec(),
+                AxisRule::Zone => some.par_iter().filter(meets).copied().collect(),
+            };
+            let start = Instant::now();
+            let tested = candidates.par_iter().map(|&id| checks.view(id, space.configuration(id)));
+            views.extend(tested.collect::<Vec<Result<View, Rejection>>>().into_iter().flatten());
+            testing += start.elapsed();
+            handed_on += candidates.len();
+            tried += some.len();
+            batch *= 2;
+        }
+        views.sort_by_key(|view| view.id);
+        views.dedup_by_key(|view| view.id);
+        let again = &views[..views.len().min(200)];
+        let start = Instant::now();
+        let passed = again.par_iter().filter(|view| checks.view(view.id, view.q.clone()).is_ok()).count();
+        let pass = start.elapsed().as_secs_f64() / passed.max(1) as f64;
+        let test = testing.as_secs_f64() / handed_on.max(1) as f64;
+        Self { tried, handed_on: handed_on as f64 / tried.max(1) as f64, views, test, pass }
+    }
+}
+
+/// Seconds of the whole sweep, from that of a coarser one.
+fn sweeping(problem: &Problem) -> f64 {
+    let space = problem.space.coarser(SWEPT);
+    let start = Instant::now();
+    let found = sweep(&problem.robot, &problem.target, &space, problem.axis, &|_| {});
+    start.elapsed().as_secs_f64() * problem.space.size() / found.swept.max(1) as f64
+}
+
+/// Seconds of a selection as they grow with the candidates and the poses.
+#[derive(Debug, Clone, Copy)]
+struct Growth {
+    /// Candidates and poses of the larger of two pilots, its seconds, and the seconds that each further candidate takes.
+    candidates: f64,
+    poses: f64,
+    seconds: f64,
+    each: f64,
+}
+
+impl Growth {
+    /// From two runs of `select` on the first so many views.
+    fn new(sizes: [usize; 2], poses: usize, mut select: impl FnMut(usize) -> Option<()>) -> Option<Self> {
+        let mut timed = |size| {
+            let start = Instant::now();
+            select(size)?;
+            Some(start.elapsed().as_secs_f64())
+        };
+        let [fewer, more] = sizes;
+        let (short, long) = (timed(fewer)?, timed(more)?);
+        let each = ((long - short) / (more - fewer).max(1) as f64).max(0.2 * long / more as f64);
+        Some(Self { candidates: more as f64, poses: poses as f64, seconds: long, each })
+    }
+
+    fn at(&self, candidates: f64, poses: f64) -> f64 {
+        let at_poses = self.seconds + self.each * (candidates - self.candidates);
+        at_poses.max(0.0) * (poses / self.poses)
+    }
+}
+
+/// What the pilot of selection, and of what follows it, took.
+struct Chosen<'a> {
+    problem: &'a Problem,
+    survey: Survey,
+    /// Seconds to weigh a view.
+    inform: f64,
+    selection: Growth,
+    exchange: Growth,
+    clustering: Growth,
+    /// Seconds of refinement for a configuration, and the share of those that are views.
+    refining: Option<(f64, f64)>,
+    /// Seconds of a simulated calibration for each of its poses.
+    trial: f64,
+}
+
+impl<'a> Chosen<'a> {
+    /// None where the pilot's views do not suffice for a choice.
+    fn new(problem: &'a Problem, pilot: &Pilot) -> Option<Self> {
+        let most = pilot.views.len().min(CANDIDATES);
+        let stride = pilot.views.len().div_ceil(most.max(1)).max(1);
+        let some: Vec<View> = pilot.views.iter().step_by(stride).cloned().collect();
+        let start = Instant::now();
+        let survey = Survey::of(problem, some).ok()?;
+        let inform = start.elapsed().as_secs_f64() / survey.views.len().max(1) as f64;
+        let m = survey.views.len();
+        if m < 2 {
+            return None;
+        }
+        let wished = if problem.selection.accuracies.is_empty() { problem.selection.count } else { CHOSEN };
+        let poses = wished.min(CHOSEN).min(m / 2).max(1);
+        let sizes = [(m / 3).max(poses), m];
+        let part = |size: usize| Survey::of(problem, survey.views[..size].to_vec()).ok();
+        let choose = |size: usize, select: &dyn Fn(&Chooser) -> Result<(), PlanError>| {
+            let part = part(size)?;
+            select(&Chooser::new(problem, &part).ok()?).ok()
+        };
+        let settings = &problem.selection;
+        let selection = Growth::new(sizes, poses, |size| {
+            choose(size, &|chooser| match settings.method {
+                _ if !settings.accuracies.is_empty() => chooser.by_accuracies().best(poses, settings.seed).map(drop),
+                Method::Best | Method::Exact => chooser.best(poses, settings.seed).map(drop),
+                method => {
+                    chooser.choose(method, poses, settings.seed)?;
+                    chooser.certificate(poses).map(drop)
+                }
+            })
+        })?;
+        let by = |method| {
+            Growth::new(sizes, poses, |size| {
+                choose(size, &|chooser| chooser.choose(method, poses, settings.seed).map(drop))
+            })
+        };
+        let (exchange, clustering) = (by(Method::Exchange)?, by(Method::KMeansJoints)?);
+        let selection = if settings.accuracies.is_empty() {
+            selection
+        } else {
+            Growth { seconds: FEWEST * selection.seconds, each: FEWEST * selection.each, ..selection }
+        };
+        let chooser = Chooser::new(problem, &survey).ok()?;
+        let choice = chooser.choose(Method::Exchange, poses, settings.seed).ok()?;
+        drop(chooser);
+        let picks: Vec<Vec<f64>> = choice.selected.iter().map(|&i| survey.views[i].q.clone()).collect();
+        let refining = (problem.refinement.rounds > 0).then(|| refining(problem, &survey, &picks)).flatten();
+        let start = Instant::now();
+        let verified = verify(problem, &picks, &Disturbance::default(), TRIALS, 0, &|_| {});
+        let trial = start.elapsed().as_secs_f64() / (TRIALS * poses) as f64;
+        let trial = if verified.is_ok() { trial } else { 0.0 };
+        Some(Self { problem, survey, inform, selection, exchange, clustering, refining, trial })
+    }
+
+    /// The fewest of `views` candidates that reach the accuracies, by the density of the best among the pilot's; none if all
+    /// do not suffice.
+    fn fewest(&self, views: f64) -> Option<usize> {
+        let m = self.survey.views.len() as f64;
+        let chooser = Chooser::new(self.problem, &self.survey).ok()?.by_accuracies();
+        let mut count = CHOSEN as f64;
+        for _ in 0..5 {
+            // So many of the pilot's are as dense among them as `count` among all; of few the best are a little better.
+            let dense = (count * m / views).max(CHOSEN as f64).min(m).floor();
+            let choice = chooser.choose(Method::Greedy, dense as usize, 0).ok()?;
+            let needed = dense / choice.log_value.exp();
+            if (needed / count - 1.0).abs() < 0.02 {
+                break;
+            }
+            count = needed;
+        }
+        (count <= views).then_some(count.ceil() as usize)
+    }
+}
+
+/// Seconds that a configuration around the picks takes, and the share that are views.
+fn refining(problem: &Problem, survey: &Survey, picks: &[Vec<f64>]) -> Option<(f64, f64)> {
+    let mut small = problem.clone();
+    small.refinement.sample = REFINED.max(picks.len());
+    let mut refined = survey.clone();
+    let start = Instant::now();
+    join(&small, &mut refined, picks, &spacings(problem)).ok()?;
+    let tried = refined.refined.max(1) as f64;
+    let joined = (refined.views.len() - survey.views.len()) as f64;
+    Some((start.elapsed().as_secs_f64() / tried, joined / tried))
+}

@@ -1,0 +1,133 @@
+//! The survey: all that is known of the candidates before any is chosen.
+
+mod contacts;
+mod diagnosis;
+mod forecast;
+mod refine;
+mod smell;
+
+pub use contacts::{CollisionDocument, Contact};
+pub use diagnosis::{Diagnosis, Miss, Obstacle, diagnose};
+pub use forecast::{Forecast, forecast, forecast_bytes};
+pub use refine::candidates;
+pub use smell::Smell;
+
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+use thiserror::Error;
+
+use crate::feasibility::{LinkPairs, Rejection, View, feasible_views};
+use crate::figures::grouped;
+use crate::information::{Measurement, map_error_weight};
+use crate::problem::Problem;
+use crate::selection::InformationSet;
+use crate::sweep::{Sweep, sweep};
+use contacts::contacts;
+
+/// The views of a problem and what each would teach.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Survey {
+    /// What the sweep found.
+    pub sweep: Sweep,
+    /// The candidates that passed every check.
+    pub views: Vec<View>,
+    /// Candidates rejected, by the reasons of [`Rejection::ALL`].
+    pub rejected: [usize; Rejection::ALL.len()],
+    /// The pairs of links by what was done about them.
+    pub links: LinkPairs,
+    /// Configurations tried around picked poses, beside the swept ones.
+    pub refined: usize,
+    /// The views' information on the estimated intrinsics, in the views' order.
+    pub information: InformationSet,
+    /// The p×p weight of the map error.
+    pub map_weight: DMatrix<f64>,
+}
+
+/// Why a problem has no views to choose from.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum SurveyError {
+    /// No optical axis meets the zone.
+    #[error("none of the {} configurations points the camera at the target zone", grouped(*swept))]
+    NoCandidates {
+        /// Configurations swept.
+        swept: usize,
+        /// What stands in the way.
+        diagnosis: Box<Diagnosis>,
+    },
+    /// No candidate passes every check.
+    #[error("none of the {} candidates is a view; rejected: {}", grouped(*candidates), describe_rejections(&**rejected))]
+    NoViews {
+        /// Candidates that passed the sweep.
+        candidates: usize,
+        /// How many were rejected for each reason of [`Rejection::ALL`].
+        rejected: Box<[usize; Rejection::ALL.len()]>,
+        /// The pairs of links that collide in those rejected for that, the most frequent first.
+        contacts: Vec<Contact>,
+        /// What stands in the way.
+        diagnosis: Box<Diagnosis>,
+    },
+    /// A view's pose is not determined by its own corners.
+    #[error("the board's {columns} x {rows} corners do not determine its pose in the image")]
+    PoseUndetermined {
+        /// Corners along x.
+        columns: usize,
+        /// Corners along y.
+        rows: usize,
+    },
+}
+
+fn describe_rejections(rejected: &[usize]) -> String {
+    let counted: Vec<String> = Rejection::ALL
+        .iter()
+        .zip(rejected)
+        .filter(|&(_, &count)| count > 0)
+        .map(|(reason, count)| format!("{} {}", grouped(*count), reason.name().replace('_', " ")))
+        .collect();
+    counted.join(", ")
+}
+
+/// Sweeps, filters and weighs the candidates of `problem`; `observe` as in [`sweep`].
+///
+/// # Errors
+/// When no candidate is left.
+pub fn survey(problem: &Problem, observe: &(dyn Fn(usize) + Sync)) -> Result<Survey, SurveyError> {
+    let Problem { robot, target, space, .. } = problem;
+    let sweep = sweep(robot, target, space, problem.axis, observe);
+    if sweep.candidates.is_empty() {
+        return Err(SurveyError::NoCandidates { swept: sweep.swept, diagnosis: Box::new(diagnose(problem)) });
+    }
+    let checks = problem.checks();
+    let (views, rejected) = feasible_views(&checks, space, &sweep.candidates);
+    if views.is_empty() {
+        let contacts = contacts(problem, &checks, space, &sweep.candidates);
+        let diagnosis = Box::new(diagnose(problem));
+        let rejected = Box::new(rejected);
+        return Err(SurveyError::NoViews { candidates: sweep.candidates.len(), rejected, contacts, diagnosis });
+    }
+    let links = checks.collision().links().clone();
+    Ok(Survey { sweep, rejected, links, ..Survey::of(problem, views)? })
+}
+
+impl Survey {
+    /// The survey of these views alone, wherever they come from.
+    ///
+    /// # Errors
+    /// When a view's pose is not determined by its own corners.
+    pub(crate) fn of(problem: &Problem, views: Vec<View>) -> Result<Self, SurveyError> {
+        let Problem { camera, target, noise, estimated, .. } = problem;
+        let corners: Vec<_> = target.board.corners().collect();
+        let measurement = Measurement { camera, corners: &corners, noise: *noise, estimated };
+        let information = measurement
+            .information_set(views.par_iter().map(|view| (&view.X_CT, &view.seen)))
+            .ok_or(SurveyError::PoseUndetermined { columns: target.board.columns, rows: target.board.rows })?;
+        Ok(Self {
+            sweep: Sweep { swept: views.len(), inside: 0, edge: 0, candidates: Vec::new() },
+            views,
+            rejected: [0; Rejection::ALL.len()],
+            links: LinkPairs::default(),
+            refined: 0,
+            information,
+            map_weight: map_error_weight(camera, estimated),
+        })
+    }
+}

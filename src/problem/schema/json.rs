@@ -1,0 +1,91 @@
+//! The JSON Schema of problem files, and what it says about a key.
+
+use std::sync::LazyLock;
+
+use schemars::Schema;
+use schemars::generate::SchemaSettings;
+use schemars::transform::RecursiveTransform;
+use serde_json::{Value, json};
+
+use super::File;
+use crate::problem::text::KeyPath;
+
+/// The JSON Schema of problem files, for editors.
+pub fn schema_json() -> Value {
+    // The draft that TOML editors know.
+    let settings = SchemaSettings::draft07().with_transform(RecursiveTransform(adapt_to_toml));
+    settings.into_generator().into_root_schema_for::<File>().to_value()
+}
+
+/// TOML has no null: a key that may be left out is simply not required. Descriptions lose their source's line breaks.
+fn adapt_to_toml(schema: &mut Schema) {
+    if let Some(Value::String(description)) = schema.get_mut("description") {
+        *description = description.replace('\n', " ");
+    }
+    if let Some(types) = schema.get_mut("type")
+        && let Some(list) = types.as_array_mut()
+    {
+        list.retain(|name| name != "null");
+        if let [only] = &list[..] {
+            *types = only.clone();
+        }
+    }
+    if let Some(Value::Array(names)) = schema.get_mut("enum") {
+        names.retain(|name| !name.is_null());
+    }
+    if let Some(Value::Object(keys)) = schema.get_mut("default") {
+        keys.retain(|_, value| !value.is_null());
+    }
+    if schema.get("default").is_some_and(|default| default.is_null() || *default == json!({})) {
+        schema.remove("default");
+    }
+    if let Some(options) = schema.get_mut("anyOf").and_then(Value::as_array_mut) {
+        options.retain(|option| *option != json!({ "type": "null" }));
+        if let [Value::Object(only)] = &options[..] {
+            let only = only.clone();
+            schema.remove("anyOf");
+            if only.contains_key("$ref") {
+                // Draft 7 ignores whatever stands beside a bare reference.
+                schema.insert("allOf".into(), json!([only]));
+            } else {
+                schema.ensure_object().extend(only);
+            }
+        }
+    }
+}
+
+/// What the key at `path` means: its description in the schema. Names that the file makes up below it, of sets of
+/// limits, share it.
+pub(crate) fn meaning(path: &KeyPath) -> Option<String> {
+    Some(node(path)?.get("description")?.as_str()?.to_owned())
+}
+
+/// The least value of the whole number at `path`, where the schema has one.
+pub(crate) fn least(path: &KeyPath) -> Option<u64> {
+    node(path)?.get("minimum")?.as_u64()
+}
+
+/// The part of the schema that describes the key at `path`, or the nearest key above that is described.
+fn node(path: &KeyPath) -> Option<&'static Value> {
+    /// Made once: a file may have many faults.
+    static ROOT: LazyLock<Value> = LazyLock::new(schema_json);
+    let mut node = &*ROOT;
+    for key in path.keys() {
+        let Some(properties) = object_below(&ROOT, node).get("properties") else { break };
+        node = properties.get(key)?;
+    }
+    Some(node)
+}
+
+/// The object that `node` refers to, is a list of, or may be.
+fn object_below<'s>(root: &'s Value, node: &'s Value) -> &'s Value {
+    let referred = node.get("$ref").and_then(Value::as_str).and_then(|name| root.pointer(name.trim_start_matches('#')));
+    let either = || {
+        let options = node.get("anyOf").or_else(|| node.get("allOf"))?;
+        options.as_array()?.iter().find(|option| option.get("$ref").is_some())
+    };
+    match referred.or_else(|| node.get("items")).or_else(either) {
+        Some(below) => object_below(root, below),
+        None => node,
+    }
+}

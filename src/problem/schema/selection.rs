@@ -1,0 +1,94 @@
+//! The sections of the problem file that say what to choose: `[selection]` and `[constraints]`.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::flexible::{Range, TextOrTable};
+use super::named::Named;
+use crate::information::Criterion;
+use crate::problem::Method;
+
+/// Which poses to choose, and how.
+#[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct Selection {
+    /// What to make good: "v" the mean variance of the calibrated projection over the image, "d" the volume of the confidence
+    /// ellipsoid, "a" the sum of the intrinsics' variances and "e" their worst combination, in units that move the image
+    /// by 1 px, "zhang" the worst direction of the closed-form solution, "diversity" the spread over angle and distance; or
+    /// a table of several with their shares, as in `{ v = 0.8, diversity = 0.2 }`.
+    pub(crate) criterion: TextOrTable<Named<Criterion>, BTreeMap<String, f64>>,
+    /// How to choose.
+    pub(crate) method: Named<Method>,
+    /// Number of poses.
+    #[schemars(range(min = 1))]
+    pub(crate) count: u64,
+    /// Accuracies to reach with as few poses as possible: `map_error_px` and names of estimated intrinsics, each with the
+    /// standard deviation wished for, as in `{ map_error_px = 2, fx = 1.5 }`. It takes the place of `criterion` and `count`.
+    pub(crate) accuracy: BTreeMap<String, f64>,
+    /// Seed of everything random.
+    pub(crate) seed: u64,
+    /// Relative gap at which the relaxation stops.
+    pub(crate) tolerance: f64,
+    /// Seconds after which a search for the proven best set gives its best so far.
+    pub(crate) time_limit_s: f64,
+    /// Nodes of the search tree after which it does so too.
+    pub(crate) node_limit: u64,
+}
+
+/// Which sets of poses are allowed.
+#[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct Constraints {
+    /// Poses that must be in the plan, by the ids of plan.json and the candidates' table.
+    pub(crate) require: Vec<u64>,
+    /// Poses that must not be.
+    pub(crate) forbid: Vec<u64>,
+    /// Joint values of views taken already, in degrees (mm for prismatic joints), one list per view. What they teach is
+    /// known before the first pose is chosen.
+    pub(crate) captured: Vec<Vec<f64>>,
+    /// Joint regions without poses.
+    pub(crate) keep_out: Vec<Region>,
+    /// Joint regions with few poses.
+    pub(crate) groups: Vec<Group>,
+    /// Least distance between two poses in joint space, in degrees: the Euclidean norm over the revolute joints.
+    pub(crate) joint_separation_deg: Option<f64>,
+    /// Least angle between the directions in which two poses see the board's centre, in the board's frame, in degrees.
+    pub(crate) view_separation_deg: Option<f64>,
+}
+
+/// A region of joint space.
+#[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Region {
+    /// Ranges [min, max] of some joints by name, in degrees (mm for prismatic joints), ends included; the others are free.
+    pub(crate) joints: BTreeMap<String, Range>,
+}
+
+/// A region of joint space with few poses.
+#[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Group {
+    /// Name of the group.
+    pub(crate) name: String,
+    /// Ranges [min, max] of some joints by name, as in `keep_out`.
+    pub(crate) joints: BTreeMap<String, Range>,
+    /// Most poses of the plan in the region.
+    pub(crate) most: u64,
+}
+
+impl Default for Selection {
+    fn default() -> Self {
+        Self {
+            criterion: TextOrTable::Text(Named(Criterion::V)),
+            method: Named(Method::Best),
+            count: 10,
+            accuracy: BTreeMap::new(),
+            seed: 0,
+            tolerance: 1e-9,
+            time_limit_s: 60.0,
+            node_limit: 10_000_000,
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! From the text of a problem file to its schema, and from serde's complaints to faults.
+
+use super::document::{Document, KeyPath, line_and_column};
+use crate::problem::fault::{Fault, Reason};
+use crate::problem::schema::File;
+use crate::problem::schema::{least, meaning};
+
+/// The document of `text`, and what it says.
+pub(crate) fn read(text: &str) -> Result<(Document<'_>, File), Box<Fault>> {
+    let document = Document::parse(text).map_err(|error| {
+        let span = error.span().unwrap_or(0..0);
+        let (line, column) = line_and_column(text, span.start);
+        let reason = Reason::Syntax { message: error.message().to_owned() };
+        Box::new(Fault { key: String::new(), written: true, line, column, span, reason, meaning: None })
+    })?;
+    match toml::from_str(text) {
+        Ok(file) => Ok((document, file)),
+        Err(error) => Err(Box::new(translate(&document, text, &error))),
+    }
+}
+
+/// A fault at `path`, pointing at its value.
+pub(crate) fn fault(document: &Document, path: &KeyPath, reason: Reason) -> Fault {
+    let (span, written) = document.locate(path);
+    let (line, column) = document.line_and_column(span.start);
+    Fault { key: path.to_string(), written, line, column, span, reason, meaning: meaning(path) }
+}
+
+/// Serde reports in text only; its wording is stable, and snapshots of the messages hold it.
+fn translate(document: &Document, text: &str, error: &toml::de::Error) -> Fault {
+    let message = error.message();
+    let span = error.span().unwrap_or(0..0);
+    let path = document.path_at(&span);
+    let names: Vec<String> = message.split('`').skip(1).step_by(2).map(str::to_owned).collect();
+    if message.starts_with("missing field")
+        && let [name] = &names[..]
+    {
+        // Serde points at the whole section; its header is the better place.
+        return fault(document, &path.key(name), Reason::Missing { allowed: Vec::new() });
+    }
+    let reason = if message.starts_with("unknown field") {
+        Reason::UnknownKey { allowed: names.get(1..).unwrap_or_default().to_vec() }
+    } else if let (true, [name, allowed @ ..]) = (message.starts_with("unknown variant"), &names[..]) {
+        Reason::UnknownName { name: name.clone(), allowed: allowed.to_vec() }
+    } else if let Some((found, expected)) = message.rsplit_once(", expected ") {
+        Reason::Type { found: plain_found(found), expected: plain_expected(expected, least(&path).unwrap_or(0)) }
+    } else {
+        Reason::Syntax { message: message.to_owned() }
+    };
+    let (line, column) = line_and_column(text, span.start);
+    Fault { key: path.to_string(), written: true, line, column, span, reason, meaning: meaning(&path) }
+}
+
+fn plain_found(serde: &str) -> String {
+    let found = serde.trim_start_matches("invalid type: ").trim_start_matches("invalid value: ");
+    match found.split_once(' ') {
+        Some(("integer" | "boolean", value)) => value.trim_matches('`').to_owned(),
+        Some(("floating", value)) => value.trim_start_matches("point ").trim_matches('`').to_owned(),
+        Some(("string", value)) => format!("the text {value}"),
+        Some(("invalid", length)) => length.replace("length ", "a list of length "),
+        _ => match found {
+            "sequence" => "a list".into(),
+            "map" => "a table".into(),
+            other => other.to_owned(),
+        },
+    }
+}
+
+/// `least` is the least value of a whole number.
+fn plain_expected(serde: &str, least: u64) -> String {
+    match serde {
+        "f64" => "a number".into(),
+        "u32" => format!("a whole number from {least} to {}", u32::MAX),
+        "u64" | "usize" => format!("a whole number, at least {least}"),
+        "a string" => "a text in quotes".into(),
+        "a sequence" => "a list".into(),
+        "a map" => "a table".into(),
+        _ if serde.starts_with("struct ") => "a table".into(),
+        _ => serde.to_owned(),
+    }
+}
