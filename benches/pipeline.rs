@@ -9,7 +9,7 @@ use std::time::Duration;
 use calipose::feasibility::Occlusion;
 use calipose::information::Measurement;
 use calipose::plan::survey::survey;
-use calipose::problem::Problem;
+use calipose::problem::{Overrides, Problem};
 use calipose::selection::InformationSet;
 use calipose::selection::packed::pack;
 use calipose::selection::{InformationFunction, Instance, RelaxationSettings, best, exchange, greedy, relax};
@@ -22,15 +22,18 @@ use rand_distr::StandardNormal;
 use rand_xoshiro::Xoshiro256Plus;
 use rayon::prelude::*;
 
+const SERVOSILA: &str = "problems/servosila-engineer.toml";
+
 fn servosila() -> Problem {
-    Problem::read(Path::new("problems/servosila-engineer.toml")).expect("the shipped problem is valid")
+    Problem::read(Path::new(SERVOSILA)).expect("the shipped problem is valid")
 }
 
-/// Step in degrees of the grid that the sweep is timed on: 57 million configurations.
-const STEP_DEG: f64 = 2.4;
+/// The grid that the sweep is timed on: 57 million configurations.
+const GRID: &str = "sweep.step_deg=2.4";
 
 fn sweeping(bench: &mut Bench) {
-    let problem = servosila().with_step(STEP_DEG.to_radians()).expect("the step fits");
+    let grid = Overrides::new().set(GRID).expect("a key and its value");
+    let problem = Problem::read_with(Path::new(SERVOSILA), &grid).expect("the step fits");
     let mut group = bench.benchmark_group("sweep");
     group.throughput(Throughput::Elements(problem.space.len() as u64)).sample_size(10);
     let run = || sweep(&problem.robot, &problem.target, &problem.space, AxisRule::Zone, &|_| {});

@@ -17,12 +17,12 @@
 //!
 //! use calipose::plan::choose::Chooser;
 //! use calipose::plan::survey::survey;
-//! use calipose::problem::Problem;
+//! use calipose::problem::{Overrides, Problem};
 //!
-//! let problem = Problem::read(Path::new("problems/servosila-engineer.toml"))?;
-//! let coarse = problem.with_step(20f64.to_radians())?;
-//! let survey = survey(&coarse, &|_| {})?;
-//! let (choice, certificate) = Chooser::new(&coarse, &survey)?.best(10, 0)?;
+//! let coarse = Overrides::new().set("sweep.step_deg=20")?;
+//! let problem = Problem::read_with(Path::new("problems/servosila-engineer.toml"), &coarse)?;
+//! let survey = survey(&problem, &|_| {})?;
+//! let (choice, certificate) = Chooser::new(&problem, &survey)?.best(10, 0)?;
 //! assert_eq!(choice.selected.len(), 10);
 //! assert!(certificate.efficiency(choice.log_value) > 0.9);
 //! # Ok::<(), Box<dyn std::error::Error>>(())

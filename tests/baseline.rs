@@ -12,15 +12,14 @@ use calipose::plan::assess::compare;
 use calipose::plan::choose::Chooser;
 use calipose::plan::choose::lloyd;
 use calipose::plan::survey::{Survey, survey};
-use calipose::problem::Method;
-use calipose::problem::Problem;
+use calipose::problem::{Goal, Method, Problem};
 use serde::Deserialize;
 
 const SEEDS: usize = 5;
 
 fn surveyed(criterion: Criterion) -> (Problem, Survey) {
     let mut problem = Problem::read(Path::new("problems/servosila-engineer.toml")).unwrap();
-    problem.selection.criteria = vec![(criterion, 1.0)];
+    problem.selection.goal = Goal::Best { criteria: vec![(criterion, 1.0)], count: 10, method: Method::Best };
     let survey = survey(&problem, &|_| {}).unwrap();
     (problem, survey)
 }

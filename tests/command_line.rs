@@ -539,7 +539,8 @@ fn check_foresees_about_as_many_views_as_the_plan_finds() {
 #[test]
 fn check_foresees_the_poses_that_an_accuracy_takes() {
     let desk = Desk::new();
-    desk.change("fine.toml", &[("[selection]", "[selection]\naccuracy = { map_error_px = 1.2 }\ntime_limit_s = 1")]);
+    let goal = "criterion = \"v\"\nmethod = \"best\"\ncount = 10";
+    desk.change("fine.toml", &[(goal, "accuracy = { map_error_px = 1.2 }\ntime_limit_s = 1")]);
     let foreseen = desk.json("check fine.toml --json");
     let count = desk.json("plan fine.toml --json --trials 0 -o out")["count"].as_f64().unwrap();
     let told = foreseen["estimated_poses"].as_f64().unwrap();

@@ -77,13 +77,13 @@ fn explain_tells_of_the_plan_that_was_written() {
 
 #[test]
 fn explain_and_polish_know_combinations_accuracies_and_constraints() {
-    for (criterion, tail) in [
-        ("criterion = { v = 0.8, diversity = 0.2 }", ""),
-        ("accuracy = { map_error_px = 4.0, fx = 6.0 }", ""),
-        ("criterion = \"v\"", "[constraints]\nview_separation_deg = 5"),
+    const GOAL: &str = "criterion = \"v\"\nmethod = \"best\"\ncount = 10";
+    for criterion in [
+        "criterion = { v = 0.8, diversity = 0.2 }",
+        "accuracy = { map_error_px = 4.0, fx = 6.0 }",
+        &format!("{GOAL}\n[constraints]\nview_separation_deg = 5"),
     ] {
-        let method = format!("method = \"best\"\ncount = 10\n{tail}");
-        let desk = desk(&[("criterion = \"v\"", criterion), ("method = \"best\"\ncount = 10", &method)], "");
+        let desk = desk(&[(GOAL, criterion)], "");
         let plan = read_plan(&desk);
         let explained: Explanation =
             serde_json::from_str(&stdout(desk.path(), "explain out/plan.json --json")).unwrap();

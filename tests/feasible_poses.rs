@@ -11,7 +11,7 @@ use calipose::plan::assess::verify;
 use calipose::plan::choose::{Chooser, make};
 use calipose::plan::document::Plan;
 use calipose::plan::survey::survey;
-use calipose::problem::Problem;
+use calipose::problem::{Goal, Method, Problem};
 use calipose::sweep::sweep;
 use calipose::target::Corners;
 use calipose::verification::Disturbance;
@@ -81,7 +81,8 @@ fn plans_have_the_tip_over_margin_of_every_pose() {
     let survey = survey(&problem, &|_| {}).unwrap();
     let chooser = Chooser::new(&problem, &survey).unwrap();
     let mut settings = problem.clone();
-    settings.selection.count = 8;
+    settings.selection.goal =
+        Goal::Best { criteria: problem.selection.goal.criteria().into(), count: 8, method: Method::Best };
     let (made, chooser) = make(&settings, chooser, &mut |_| ControlFlow::Continue(())).unwrap();
     let plan = Plan::new(&problem, &chooser, &made).unwrap();
     let json: serde_json::Value = serde_json::from_str(&plan.to_json()).unwrap();

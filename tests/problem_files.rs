@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 use calipose::feasibility::feasible_views;
-use calipose::problem::{Problem, STARTER, StepError, schema_json};
+use calipose::problem::{Overrides, Problem, STARTER, schema_json};
 use calipose::robot::{JointKind, Shape};
 use calipose::sweep::sweep;
 use nalgebra::{Point3, Vector2, Vector3};
@@ -83,7 +83,11 @@ fn described_robots_see_the_board_from_many_configurations() {
         assert!((80.0..130.0).contains(&mass), "{name}: {mass} kg");
         let found = sweep(&problem.robot, &problem.target, &problem.space, problem.axis, &|_| {});
         let (views, rejected) = feasible_views(&problem.checks(), &problem.space, &found.candidates);
-        assert!(views.len() > 200 * problem.selection.count, "{name}: {} views, {rejected:?}", views.len());
+        assert!(
+            views.len() > 200 * problem.selection.goal.count().unwrap(),
+            "{name}: {} views, {rejected:?}",
+            views.len()
+        );
     }
 }
 
@@ -92,7 +96,7 @@ fn the_starter_has_views_to_choose_from() {
     let problem = load(STARTER);
     let found = sweep(&problem.robot, &problem.target, &problem.space, problem.axis, &|_| {});
     let (views, rejected) = feasible_views(&problem.checks(), &problem.space, &found.candidates);
-    assert!(views.len() > 100 * problem.selection.count, "{} views, {rejected:?}", views.len());
+    assert!(views.len() > 100 * problem.selection.goal.count().unwrap(), "{} views, {rejected:?}", views.len());
 }
 
 /// The starter shows the defaults as comments; with the comment signs taken off it must say the same.
@@ -182,8 +186,6 @@ fn prismatic_joints_modified_tables_and_poses() {
     let X_BC = problem.robot.camera_pose(&[0.2]);
     assert!((X_BC.translation.vector - Vector3::new(0.1, -0.25, 0.01)).norm() < 1e-12, "{X_BC}");
     assert!((X_BC.rotation * Vector3::x() - Vector3::new(0.0, -1.0, 0.0)).norm() < 1e-12, "{X_BC}");
-    // A step in rad does not concern it.
-    assert_eq!(problem.with_step(0.1).unwrap().space, problem.space);
 }
 
 #[test]
@@ -412,11 +414,8 @@ fn a_zone_of_exactly_the_board_holds_it_despite_binary_fractions() {
 }
 
 #[test]
-fn steps_that_make_no_grid_are_refused() {
-    let problem = load(STARTER);
-    assert_eq!(problem.with_step(0.0), Err(StepError::NotPositive { step: 0.0 }));
-    assert!(matches!(problem.with_step(f64::NAN), Err(StepError::NotPositive { .. })));
-    let fine = problem.with_step(1e-3);
-    assert!(matches!(fine, Err(StepError::TooManyConfigurations { most: 100_000_000, .. })));
-    assert_eq!(problem.with_step(1.0).unwrap().space.len(), 3 * 2 * 3 * 4 * 2 * 7);
+fn a_step_takes_the_place_of_a_sample() {
+    let step = Overrides::new().set("sweep.step_deg=57.29577951308232").unwrap();
+    let problem = Problem::parse_with(STARTER, Path::new("problem.toml"), &step).unwrap();
+    assert_eq!(problem.space.len(), 3 * 2 * 3 * 4 * 2 * 7);
 }

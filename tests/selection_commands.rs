@@ -18,6 +18,14 @@ fn with(desk: &Desk, name: &str, selection: &str, sections: &str) {
     std::fs::write(desk.path(name), text).unwrap();
 }
 
+/// As [`with`], for accuracies in place of criterion, method and number of poses.
+fn accurate(desk: &Desk, name: &str, accuracy: &str, sections: &str) {
+    let goal = "criterion = \"v\"\nmethod = \"best\"\ncount = 10";
+    desk.change(name, &[(goal, &format!("accuracy = {accuracy}"))]);
+    let text = std::fs::read_to_string(desk.path(name)).unwrap();
+    std::fs::write(desk.path(name), text + sections).unwrap();
+}
+
 fn plan(desk: &Desk, line: &str) -> Value {
     desk.json(&format!("{line} --json --trials 0"))
 }
@@ -88,7 +96,7 @@ fn the_fewest_poses_that_reach_an_accuracy_are_found_and_proven() {
     let desk = Desk::new();
     let eight = plan(&desk, "plan coarse.toml -k 8 -o eight");
     let wished = eight["map_error_px"].as_f64().unwrap() * 1.0001;
-    with(&desk, "accurate.toml", &format!("method = \"best\"\naccuracy = {{ map_error_px = {wished} }}"), "");
+    accurate(&desk, "accurate.toml", &format!("{{ map_error_px = {wished} }}"), "");
     let fewest = plan(&desk, "plan accurate.toml -o fewest");
     assert!(fewest["map_error_px"].as_f64().unwrap() <= wished);
     let count = fewest["count"].as_u64().unwrap();
@@ -100,24 +108,24 @@ fn the_fewest_poses_that_reach_an_accuracy_are_found_and_proven() {
     assert_eq!(less["search"]["end"], "optimal");
     assert!(less["map_error_px"].as_f64().unwrap() > wished);
 
-    assert!(desk.complaint("plan accurate.toml -k 5", 2).contains("decides on the number of poses"));
+    assert!(desk.complaint("plan accurate.toml -k 5", 3).contains("excludes `selection.accuracy`"));
     let mut easier = fewest.clone();
     easier["fewest"]["accuracies"][0]["wished"] = json!(wished / 2.0);
     std::fs::write(desk.path("fewest/plan.json"), easier.to_string()).unwrap();
     assert!(desk.complaint("certify fewest/plan.json", 1).contains("not those of the problem file"));
 
     // Where constraints leave little room, fewer poses may still do.
-    let narrow = format!("method = \"best\"\naccuracy = {{ map_error_px = {} }}", 10.0 * wished);
-    with(&desk, "narrow.toml", &narrow, "\n[constraints]\njoint_separation_deg = 150\n");
+    let narrow = format!("{{ map_error_px = {} }}", 10.0 * wished);
+    accurate(&desk, "narrow.toml", &narrow, "\n[constraints]\njoint_separation_deg = 150\n");
     assert!(plan(&desk, "plan narrow.toml -o narrow")["map_error_px"].as_f64().unwrap() <= 10.0 * wished);
-    with(&desk, "too_narrow.toml", &narrow, "\n[constraints]\njoint_separation_deg = 250\n");
+    accurate(&desk, "too_narrow.toml", &narrow, "\n[constraints]\njoint_separation_deg = 250\n");
     let complaint = desk.complaint("plan too_narrow.toml -o too_narrow", 1);
     assert!(
         complaint.contains("all that may be chosen") || complaint.contains("no set of poses was found"),
         "{complaint}"
     );
 
-    with(&desk, "absurd.toml", "method = \"best\"\naccuracy = { map_error_px = 0.001, fx = 50 }", "");
+    accurate(&desk, "absurd.toml", "{ map_error_px = 0.001, fx = 50 }", "");
     let complaint = desk.complaint("plan absurd.toml -o absurd", 1);
     assert!(complaint.contains("the map error in px is") && !complaint.contains("sigma of fx"), "{complaint}");
 }

@@ -7,13 +7,13 @@
 
 use std::path::Path;
 
-use calipose::problem::Problem;
+use calipose::problem::{Overrides, Problem};
 use calipose::sweep::{AxisRule, sweep};
 
-const FILE: &str = "problems/servosila-engineer.toml";
-
-fn swept_and_kept(problem: &Problem, step_deg: f64) -> (usize, usize) {
-    let problem = problem.with_step(step_deg.to_radians()).unwrap();
+fn swept_and_kept(limits: &str, step_deg: u32) -> (usize, usize) {
+    let overrides = Overrides::new().set(&format!("robot.limits={limits}")).unwrap();
+    let overrides = overrides.set(&format!("sweep.step_deg={step_deg}")).unwrap();
+    let problem = Problem::read_with(Path::new("problems/servosila-engineer.toml"), &overrides).unwrap();
     let found = sweep(&problem.robot, &problem.target, &problem.space, AxisRule::Zone, &|_| {});
     assert_eq!(found.candidates.len(), found.inside + found.edge);
     (found.swept, found.candidates.len())
@@ -21,18 +21,14 @@ fn swept_and_kept(problem: &Problem, step_deg: f64) -> (usize, usize) {
 
 #[test]
 fn reference_limits() {
-    let problem = Problem::read(Path::new(FILE)).unwrap();
-    assert_eq!(swept_and_kept(&problem, 20.0), (13_860, 364));
-    assert_eq!(swept_and_kept(&problem, 10.0), (210_672, 4_525));
-    assert_eq!(swept_and_kept(&problem, 8.0), (502_656, 10_735));
+    assert_eq!(swept_and_kept("reference", 20), (13_860, 364));
+    assert_eq!(swept_and_kept("reference", 10), (210_672, 4_525));
+    assert_eq!(swept_and_kept("reference", 8), (502_656, 10_735));
 }
 
 #[test]
 fn telemetry_limits() {
-    let text = std::fs::read_to_string(FILE).unwrap();
-    let text = text.replace("limits = \"reference\"", "limits = \"telemetry\"");
-    let problem = Problem::parse(&text, Path::new(FILE)).unwrap();
-    assert_eq!(swept_and_kept(&problem, 20.0).1, 192);
-    assert_eq!(swept_and_kept(&problem, 10.0).1, 2_973);
-    assert_eq!(swept_and_kept(&problem, 8.0).1, 6_770);
+    assert_eq!(swept_and_kept("telemetry", 20).1, 192);
+    assert_eq!(swept_and_kept("telemetry", 10).1, 2_973);
+    assert_eq!(swept_and_kept("telemetry", 8).1, 6_770);
 }

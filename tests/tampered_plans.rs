@@ -15,7 +15,7 @@ use calipose::plan::assess::{BrokenConstraint, CertifyError, Confirmed, certify}
 use calipose::plan::choose::{Chooser, make};
 use calipose::plan::document::Plan;
 use calipose::plan::survey::{Survey, candidates};
-use calipose::problem::{JointRegion, PoseGroup, Problem, ProblemError};
+use calipose::problem::{Goal, JointRegion, Method, PoseGroup, Problem, ProblemError};
 use calipose::robot::Limits;
 use desk::Desk;
 use serde_json::{Value, json};
@@ -311,7 +311,7 @@ fn honest_plans_of_all_cameras_hold_and_what_is_beyond_the_tolerance_is_noticed(
             let Ok(survey) = candidates(&problem, &|_| {}) else { continue };
             for criterion in Criterion::ALL {
                 let mut asked = problem.clone();
-                asked.selection.criteria = vec![(criterion, 1.0)];
+                asked.selection.goal = Goal::Best { criteria: vec![(criterion, 1.0)], count: 12, method: Method::Best };
                 let Some(plan) = made(&asked, &survey) else { continue };
                 let what = || format!("f {f}, {square} mm, {lens}: {}", criterion.name());
                 let confirmed = match certify(&plan, &asked, &survey) {

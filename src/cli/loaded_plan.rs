@@ -38,7 +38,7 @@ impl Planned {
         planned.among_its_own(path, files)?;
         let fitted = planned.plan.fit(&planned.problem);
         fitted.map_err(|error| Failure::PlanFile { path: path.to_owned(), reason: error.to_string() })?;
-        Ok(planned.asked())
+        Ok(planned)
     }
 
     /// As [`Planned::read`], but whatever is beside the plan, and whether it fits its problem or not.
@@ -54,7 +54,8 @@ impl Planned {
             .map(Path::to_owned)
             .or_else(|| named_by_run(path))
             .ok_or_else(|| refused("no run.json beside it tells the problem file; name it with --problem".into()))?;
-        let problem = Problem::read(&problem_path)?;
+        let overrides = plan.problem.overrides().map_err(|error| refused(error.to_string()))?;
+        let problem = Problem::read_with(&problem_path, &overrides)?;
         if problem.sha256 != plan.problem.sha256 {
             return Err(refused(format!(
                 "it was made from another version of {}; make a new plan, or name the old file with --problem",
@@ -62,18 +63,6 @@ impl Planned {
             )));
         }
         Ok(Self { plan, problem, text, mixed })
-    }
-
-    /// The problem as it was when the plan was made: the command line may have asked for something else than the file, and
-    /// candidates are refined for what was asked.
-    pub(crate) fn asked(mut self) -> Self {
-        let selection = &mut self.problem.selection;
-        if let Some(criteria) = self.plan.criteria() {
-            selection.criteria = criteria;
-            selection.count = self.plan.count;
-        }
-        selection.seed = self.plan.seed;
-        self
     }
 
     /// That the plan at `path` and the files beside it are of one run, those of `except` aside.

@@ -4,6 +4,7 @@
 //! wrong; 3 the problem file, plan or file of observations was refused; 4 done, but the result is bad; 70 a bug in calipose;
 //! 130, 143, 129 interrupted by Ctrl-C, a termination or a hang-up.
 
+mod arguments;
 mod command;
 mod interrupt;
 mod loaded_plan;
@@ -16,16 +17,13 @@ use std::process::ExitCode;
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
+use arguments::ProblemArguments;
 use command::{
     calibrate, certify, check, compare, completions, explain, init, next, plan, polish, reach, sweep, verify,
 };
 use output::Screen;
 use output::failure::Failure;
 use output::verdict::Verdict;
-
-use crate::information::Criterion;
-use crate::problem::Method;
-use crate::problem::Problem;
 
 /// Plans the robot poses that calibrate a camera best, with a certificate of how far from optimal they can be.
 #[derive(Debug, Parser)]
@@ -91,10 +89,7 @@ enum Command {
     /// Find joint values that bring the camera to a wished pose
     Reach(reach::ReachArguments),
     /// Validate a problem file and say what a run would do
-    Check {
-        /// Problem file
-        file: PathBuf,
-    },
+    Check(ProblemArguments),
     /// Write a commented starter problem file, or one drafted from a robot's URDF
     Init {
         /// Where to write it [default: problem.toml, or the URDF's name with .toml]
@@ -117,32 +112,6 @@ enum Command {
     },
 }
 
-/// What the command line may say instead of the problem file.
-#[derive(Debug, Args)]
-struct Overrides {
-    /// Problem file
-    file: PathBuf,
-    /// What to optimise, in place of the file's criterion or accuracy
-    #[arg(long, value_parser = explained(&Criterion::ALL, Criterion::name, Criterion::phrase))]
-    criterion: Option<Criterion>,
-    /// Seed of everything random [default: the file's]
-    #[arg(long)]
-    seed: Option<u64>,
-}
-
-impl Overrides {
-    fn problem(&self) -> Result<Problem, Failure> {
-        let mut problem = Problem::read(&self.file)?;
-        let selection = &mut problem.selection;
-        if let Some(criterion) = self.criterion {
-            selection.criteria = vec![(criterion, 1.0)];
-            selection.accuracies.clear();
-        }
-        selection.seed = self.seed.unwrap_or(selection.seed);
-        Ok(problem)
-    }
-}
-
 /// Parses one of `all` by its name.
 fn by_name<T: Copy + Send + Sync + 'static>(
     all: &'static [T],
@@ -150,17 +119,6 @@ fn by_name<T: Copy + Send + Sync + 'static>(
 ) -> impl clap::builder::TypedValueParser<Value = T> {
     use clap::builder::TypedValueParser;
     clap::builder::PossibleValuesParser::new(all.iter().map(|&value| name(value)))
-        .try_map(move |text| all.iter().copied().find(|&value| name(value) == text).ok_or("unknown name"))
-}
-
-/// As [`by_name`], each with a phrase that `--help` shows.
-fn explained<T: Copy + Send + Sync + 'static>(
-    all: &'static [T],
-    name: fn(T) -> &'static str,
-    phrase: fn(T) -> &'static str,
-) -> impl clap::builder::TypedValueParser<Value = T> {
-    use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-    PossibleValuesParser::new(all.iter().map(|&value| PossibleValue::new(name(value)).help(phrase(value))))
         .try_map(move |text| all.iter().copied().find(|&value| name(value) == text).ok_or("unknown name"))
 }
 
@@ -216,7 +174,7 @@ fn run(command: &Command, screen: &mut Screen) -> Result<Verdict, Failure> {
         Command::Certify(arguments) => certify::run(arguments, screen).map(good),
         Command::Next(arguments) => next::run(arguments, screen),
         Command::Reach(arguments) => reach::run(arguments, screen).map(good),
-        Command::Check { file } => check::run(file, screen).map(good),
+        Command::Check(arguments) => check::run(arguments, screen).map(good),
         Command::Init { file, urdf } => init::run(file.as_deref(), urdf.as_deref(), screen).map(good),
         Command::Schema => init::schema(screen).map(good),
         Command::Completions { shell } => completions::completions(*shell).map(good),
@@ -238,9 +196,4 @@ fn trials() -> impl clap::builder::TypedValueParser<Value = usize> {
     clap::value_parser!(u64).range(0..=1_000_000).try_map(|trials| {
         if trials == 1 { Err("one trial has no scatter; ask for 0 or at least 2") } else { Ok(trials as usize) }
     })
-}
-
-/// Parser of `--method`.
-fn method() -> impl clap::builder::TypedValueParser<Value = Method> {
-    explained(&Method::ALL, Method::name, Method::phrase)
 }

@@ -3,24 +3,26 @@
 //! A problem file is TOML. [`schema_json`] describes its keys, [`STARTER`] is one to start from, [`Problem::read`] checks
 //! one and builds the models. Everything wrong with a file is a [`Fault`] with its line, column and key.
 
+mod constraints;
 mod draft;
 mod fault;
+mod goal;
 mod method;
 mod note;
 mod resolve;
 mod schema;
-mod step;
 mod text;
 
+pub use constraints::{JointRegion, PoseConstraints, PoseGroup};
 pub use draft::{DraftError, draft};
 pub use fault::{Allowed, Fault, ProblemError, Reason};
+pub use goal::{Accuracy, Goal, SelectionSettings};
 pub use method::Method;
 pub use note::Note;
 pub use schema::schema_json;
-pub use step::StepError;
+pub use text::{OverrideError, Overrides};
 
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use miette::NamedSource;
 use sha2::{Digest, Sha256};
@@ -28,10 +30,10 @@ use sha2::{Digest, Sha256};
 use crate::camera::Camera;
 use crate::feasibility::{Checks, Stability, VisibilityLimits};
 use crate::formats::read_at_most;
-use crate::information::Criterion;
-use crate::robot::{Limits, Robot};
+use crate::robot::Robot;
 use crate::sweep::{AxisRule, JointSpace};
 use crate::target::Target;
+use text::Source;
 
 /// A commented problem file to start from.
 pub const STARTER: &str = include_str!("starter.toml");
@@ -43,6 +45,8 @@ pub struct Problem {
     pub name: String,
     /// SHA-256 of the problem file's bytes, in lower-case hexadecimal.
     pub sha256: String,
+    /// Values given in place of the file's.
+    pub overrides: Overrides,
     /// The arm and the camera's mount.
     pub robot: Robot,
     /// The nominal camera.
@@ -99,94 +103,6 @@ pub struct PublishedSweep {
     pub in_zone: usize,
 }
 
-/// What to select, and how.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SelectionSettings {
-    /// What to optimise: the weighted geometric mean of these criteria; the shares add up to one.
-    pub criteria: Vec<(Criterion, f64)>,
-    /// Accuracies to reach with as few poses as possible, instead of the criteria and the count; none if empty.
-    pub accuracies: Vec<(Accuracy, f64)>,
-    /// How.
-    pub method: Method,
-    /// Number of poses.
-    pub count: usize,
-    /// Seed of everything random.
-    pub seed: u64,
-    /// Relative gap at which the relaxation stops.
-    pub tolerance: f64,
-    /// Time after which a search for the proven best set ends.
-    pub time_limit: Duration,
-    /// Nodes after which it does.
-    pub node_limit: usize,
-}
-
-impl SelectionSettings {
-    /// What is optimised: `v`, or `0.8 v + 0.2 diversity`, or `accuracy`.
-    pub fn criterion(&self) -> String {
-        if self.accuracies.is_empty() { Criterion::describe(&self.criteria) } else { "accuracy".into() }
-    }
-}
-
-/// Something whose standard deviation can be wished for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Accuracy {
-    /// The RMS map error, px.
-    MapError,
-    /// An intrinsic, in its own unit: index among the estimated.
-    Intrinsic(usize),
-}
-
-/// Which sets of poses are allowed.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct PoseConstraints {
-    /// Numbers of swept configurations that must be in the plan.
-    pub required: Vec<usize>,
-    /// Numbers of those that must not.
-    pub forbidden: Vec<usize>,
-    /// Joint values, rad or m, of views taken already.
-    pub captured: Vec<Vec<f64>>,
-    /// Regions without poses.
-    pub keep_out: Vec<JointRegion>,
-    /// Regions with few poses.
-    pub groups: Vec<PoseGroup>,
-    /// Least distance of two poses in joint space, rad; only revolute joints count.
-    pub joint_separation: f64,
-    /// Least angle between the directions from which two poses see the board's centre, rad.
-    pub view_separation: f64,
-}
-
-impl PoseConstraints {
-    /// Whether any set of the candidates is allowed.
-    pub fn allow_all(&self) -> bool {
-        let Self { required, forbidden, keep_out, groups, joint_separation, view_separation, captured: _ } = self;
-        let none = required.is_empty() && forbidden.is_empty() && keep_out.is_empty() && groups.is_empty();
-        none && *joint_separation == 0.0 && *view_separation == 0.0
-    }
-}
-
-/// A region of joint space: ranges of some joints, by index.
-#[derive(Debug, Clone, PartialEq)]
-pub struct JointRegion(pub Vec<(usize, Limits)>);
-
-impl JointRegion {
-    /// Whether the configuration is in the region, ends included.
-    pub fn contains(&self, q: &[f64]) -> bool {
-        // A grid's own values are rounded.
-        self.0.iter().all(|(joint, limits)| (limits.min - 1e-9..=limits.max + 1e-9).contains(&q[*joint]))
-    }
-}
-
-/// A region with at most so many poses.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PoseGroup {
-    /// Its name.
-    pub name: String,
-    /// Where it is.
-    pub region: JointRegion,
-    /// Most poses in it.
-    pub most: usize,
-}
-
 /// Bytes of a problem file; a larger one is something else.
 const LARGEST: u64 = 16_000_000;
 
@@ -217,13 +133,21 @@ impl Problem {
     /// # Errors
     /// When the file cannot be read or says something impossible.
     pub fn read(path: &Path) -> Result<Self, ProblemError> {
+        Self::read_with(path, &Overrides::new())
+    }
+
+    /// The problem that the file at `path` states, with other values for some of its keys.
+    ///
+    /// # Errors
+    /// When the file cannot be read, or the two together say something impossible.
+    pub fn read_with(path: &Path, overrides: &Overrides) -> Result<Self, ProblemError> {
         let bytes = read_at_most(path, LARGEST).map_err(|source| ProblemError::Read { path: path.into(), source })?;
         let text = String::from_utf8(bytes).map_err(|error| {
             let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
             let line = String::from_utf8_lossy(valid).matches('\n').count() + 1;
             ProblemError::Encoding { path: path.into(), line }
         })?;
-        Self::parse(&text, path)
+        Self::parse_with(&text, path, overrides)
     }
 
     /// The problem that `text` states; `path` is its name in messages and, without the extension, the name of a
@@ -232,14 +156,28 @@ impl Problem {
     /// # Errors
     /// When the text says something impossible.
     pub fn parse(text: &str, path: &Path) -> Result<Self, ProblemError> {
-        let sha256 = Sha256::digest(text).iter().fold(String::new(), |hex, byte| format!("{hex}{byte:02x}"));
-        let problem = match text::read(text) {
-            Ok((document, file)) => resolve::resolve(&document, &file, path, sha256),
+        Self::parse_with(text, path, &Overrides::new())
+    }
+
+    /// As [`Problem::parse`], with other values for some of the keys.
+    ///
+    /// # Errors
+    /// When the two together say something impossible.
+    pub fn parse_with(text: &str, path: &Path, overrides: &Overrides) -> Result<Self, ProblemError> {
+        let source = Source::new(text, overrides);
+        let problem = match text::read(&source) {
+            Ok((document, file)) => resolve::resolve(&document, &file, path),
             Err(fault) => Err(vec![*fault]),
         };
-        problem.map_err(|faults| ProblemError::Invalid {
-            file: NamedSource::new(path.to_string_lossy(), text.to_owned()),
-            faults,
-        })
+        match problem {
+            Ok(problem) => Ok(Self {
+                sha256: Sha256::digest(text).iter().fold(String::new(), |hex, byte| format!("{hex}{byte:02x}")),
+                overrides: overrides.clone(),
+                ..problem
+            }),
+            Err(faults) => {
+                Err(ProblemError::Invalid { file: NamedSource::new(path.to_string_lossy(), text.to_owned()), faults })
+            }
+        }
     }
 }

@@ -23,7 +23,6 @@ pub(crate) fn run(arguments: &CertifyArguments, screen: &mut Screen) -> Result<(
     let planned = Planned::open(&arguments.plan, arguments.problem.as_deref())?;
     let refused = |error: CertifyError| Failure::Certify { path: arguments.plan.clone(), error: Box::new(error) };
     planned.plan.fit(&planned.problem).map_err(|error| refused(error.into()))?;
-    let planned = planned.asked();
     let survey = planned.survey(screen)?;
     let Planned { plan, problem, text, .. } = &planned;
     let mut confirmed = certify(plan, problem, &survey).map_err(refused)?;

@@ -5,20 +5,25 @@ use std::collections::BTreeMap;
 use clap::Args;
 use serde_json::{Value, json};
 
+use crate::cli::arguments::{ProblemArguments, SelectionArguments};
 use crate::cli::output::failure::Failure;
 use crate::cli::output::{Screen, short, table};
-use crate::cli::{Overrides, number_of, trials};
+use crate::cli::{number_of, trials};
 use crate::plan::assess::{Equivalent, Row, compare, equivalent_kmeans, verify};
 use crate::plan::choose::{Choice, Chooser};
 use crate::plan::survey::{Survey, candidates};
-use crate::problem::Method;
-use crate::problem::Problem;
+use crate::problem::{Method, Problem};
 use crate::verification::{Disturbance, MonteCarlo};
+
+/// Number of poses where none is asked for.
+const COUNT: usize = 10;
 
 #[derive(Debug, Args)]
 pub(crate) struct CompareArguments {
     #[command(flatten)]
-    problem: Overrides,
+    problem: ProblemArguments,
+    #[command(flatten)]
+    selection: SelectionArguments,
     /// Numbers of poses [default: the file's, half as many again, and twice as many]
     #[arg(long, short = 'k', value_delimiter = ',', value_parser = number_of(false), allow_hyphen_values = true)]
     counts: Vec<usize>,
@@ -37,13 +42,13 @@ pub(crate) fn run(arguments: &CompareArguments, screen: &mut Screen) -> Result<(
     if arguments.seeds > 1000 {
         return Err(Failure::Usage("--seeds must be from 1 to 1000".into()));
     }
-    let problem = arguments.problem.problem()?;
+    let problem = arguments.problem.problem(&arguments.selection.options())?;
     let bar = screen.progress("sweeping", problem.space.len());
     let surveyed = candidates(&problem, &|swept| bar.inc(swept as u64));
     bar.finish_and_clear();
     let survey = surveyed?;
 
-    let k = problem.selection.count;
+    let k = problem.selection.goal.count().unwrap_or(COUNT);
     let counts = if arguments.counts.is_empty() {
         let mut counts = vec![k, k + k.div_ceil(2), 2 * k];
         counts.retain(|&count| count == k || count <= survey.views.len());

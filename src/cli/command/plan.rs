@@ -6,6 +6,7 @@ use std::time::Instant;
 use clap::Args;
 
 use super::verify as verify_command;
+use crate::cli::arguments::{ProblemArguments, SelectionArguments, method};
 use crate::cli::interrupt::writing;
 use crate::cli::memory::hold_against_memory;
 use crate::cli::output::collision::{close_text, tested_text};
@@ -13,26 +14,27 @@ use crate::cli::output::failure::Failure;
 use crate::cli::output::verdict::Verdict;
 use crate::cli::output::{Screen, fixed, grouped, joint_columns, short, table};
 use crate::cli::searching::searching;
-use crate::cli::{Overrides, TableFormat, method, number_of, trials};
+use crate::cli::{TableFormat, trials};
 use crate::plan::assess::{compare, verify};
 use crate::plan::choose::{Chooser, make};
 use crate::plan::document::{Plan, PlannedPose, candidates_csv, candidates_parquet};
 use crate::plan::results::{PLAN_FILE, RUN_FILE, Run, RunSeconds, add_results, owner, probe, write_results};
 use crate::plan::survey::{Survey, candidates};
-use crate::problem::Method;
-use crate::problem::Problem;
+use crate::problem::{Method, Problem};
 use crate::verification::{Disturbance, MonteCarlo};
 
 #[derive(Debug, Args)]
 pub(crate) struct PlanArguments {
     #[command(flatten)]
-    problem: Overrides,
+    problem: ProblemArguments,
+    #[command(flatten)]
+    selection: SelectionArguments,
     /// Number of poses [default: the file's]
-    #[arg(long, short = 'k', value_parser = number_of(false))]
-    count: Option<usize>,
+    #[arg(long, short = 'k')]
+    count: Option<String>,
     /// How to choose [default: the file's]
     #[arg(long, value_parser = method())]
-    method: Option<Method>,
+    method: Option<String>,
     /// Folder for the plan [default: the file's]
     #[arg(long, short)]
     output: Option<PathBuf>,
@@ -116,22 +118,8 @@ pub(crate) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<Verd
 impl PlanArguments {
     /// The file's problem with what the command line says instead.
     fn problem(&self) -> Result<Problem, Failure> {
-        let mut problem = self.problem.problem()?;
-        let selection = &mut problem.selection;
-        selection.count = self.count.unwrap_or(selection.count);
-        selection.method = self.method.unwrap_or(selection.method);
-        let overridden = self.count.is_some() || self.method.is_some();
-        if overridden && !selection.accuracies.is_empty() {
-            let what = "the file wishes for an accuracy, which decides on the number of poses and the method; leave --count and \
-                        --method out, or take `accuracy` out of the file";
-            return Err(Failure::Usage(what.into()));
-        }
-        if !selection.method.heeds_constraints() && !problem.constraints.allow_all() {
-            let method = selection.method.name();
-            return Err(Failure::Usage(format!(
-                "--method {method} does not look at the file's [constraints]; take another"
-            )));
-        }
+        let own = [("selection.count", self.count.clone()), ("selection.method", self.method.clone())];
+        let mut problem = self.problem.problem(&[self.selection.options(), own].concat())?;
         if let Some(output) = &self.output {
             problem.output.clone_from(output);
         }

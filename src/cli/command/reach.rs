@@ -1,11 +1,10 @@
 //! `calipose reach`.
 
-use std::path::PathBuf;
-
 use clap::{ArgGroup, Args};
 use nalgebra::{Quaternion, UnitQuaternion};
 use serde_json::json;
 
+use crate::cli::arguments::ProblemArguments;
 use crate::cli::number_of;
 use crate::cli::output::collision::untested_text;
 use crate::cli::output::failure::Failure;
@@ -21,8 +20,8 @@ use crate::target::viewpoint;
 #[derive(Debug, Args)]
 #[command(group = ArgGroup::new("wish").required(true).args(["position", "distance"]))]
 pub(crate) struct ReachArguments {
-    /// Problem file
-    file: PathBuf,
+    #[command(flatten)]
+    problem: ProblemArguments,
     /// Position of the camera in the base frame, in mm; needs an orientation
     #[arg(long = "position-mm", value_name = "X,Y,Z", value_parser = numbers::<3>, allow_hyphen_values = true)]
     position: Option<[f64; 3]>,
@@ -122,7 +121,7 @@ impl ReachArguments {
 }
 
 pub(crate) fn run(arguments: &ReachArguments, screen: &mut Screen) -> Result<(), Failure> {
-    let problem = Problem::read(&arguments.file)?;
+    let problem = arguments.problem.problem(&[])?;
     let wished = arguments.wished(&problem)?;
     // An error of angle moves what the camera sees by the angle times its distance.
     let to_board = (problem.target.X_BT.translation.vector - wished.translation.vector).norm();

@@ -1,39 +1,38 @@
 //! `calipose sweep`.
 
-use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
 use serde_json::json;
 
+use crate::cli::arguments::ProblemArguments;
 use crate::cli::output::failure::Failure;
 use crate::cli::output::{Screen, grouped, table};
 use crate::feasibility::{Rejection, feasible_views};
-use crate::problem::Problem;
 use crate::sweep::sweep;
 
 #[derive(Debug, Args)]
 pub(crate) struct SweepArguments {
-    /// Problem file
-    file: PathBuf,
+    #[command(flatten)]
+    problem: ProblemArguments,
     /// Steps to sweep with, in degrees, each for all revolute joints [default: those with published counts, else the
     /// file's]
     #[arg(long, short, value_delimiter = ',', allow_hyphen_values = true)]
-    step: Vec<f64>,
+    step: Vec<String>,
 }
 
 pub(crate) fn run(arguments: &SweepArguments, screen: &mut Screen) -> Result<(), Failure> {
-    let file = Problem::read(&arguments.file)?;
-    let mut steps: Vec<f64> = arguments.step.iter().map(|step| step.to_radians()).collect();
+    let file = arguments.problem.problem(&[])?;
+    let mut steps = arguments.step.clone();
     if steps.is_empty() {
-        steps = file.published.iter().map(|published| published.step).collect();
+        steps = file.published.iter().map(|published| published.step.to_degrees().to_string()).collect();
     }
     let problems = if steps.is_empty() {
         vec![(None, file)]
     } else {
-        let with_step = |&step: &f64| match file.with_step(step) {
-            Ok(problem) => Ok((Some(step), problem)),
-            Err(error) => Err(Failure::Usage(error.to_string())),
+        let with_step = |step: &String| {
+            let problem = arguments.problem.problem(&[("sweep.step_deg", Some(step.clone()))])?;
+            Ok((step.parse().ok().map(f64::to_radians), problem))
         };
         steps.iter().map(with_step).collect::<Result<Vec<_>, Failure>>()?
     };

@@ -43,7 +43,7 @@ pub fn explain(
         format: EXPLANATION_FORMAT.into(),
         version: EXPLANATION_VERSION,
         calipose: env!("CARGO_PKG_VERSION").into(),
-        problem: ProblemReference { name: problem.name.clone(), sha256: problem.sha256.clone() },
+        problem: ProblemReference::new(problem),
         criterion: chooser.criterion(),
         count: plan.selected.len(),
         value: chooser.natural(plan.log_value),
@@ -206,11 +206,11 @@ mod tests {
     use crate::plan::choose::make;
     use crate::plan::document::Plan;
     use crate::plan::survey::{Survey, survey};
-    use crate::problem::Accuracy;
+    use crate::problem::{Accuracy, Goal, Method, Overrides};
 
     fn coarse() -> Problem {
-        let problem = Problem::read(Path::new("problems/servosila-engineer.toml")).unwrap();
-        problem.with_step(20f64.to_radians()).unwrap()
+        let step = Overrides::new().set("sweep.step_deg=20").unwrap();
+        Problem::read_with(Path::new("problems/servosila-engineer.toml"), &step).unwrap()
     }
 
     fn planned<'a>(problem: &'a Problem, survey: &'a Survey) -> (Chooser<'a>, Choice) {
@@ -225,6 +225,10 @@ mod tests {
         (recalled, made.choice)
     }
 
+    fn best_ten(criteria: &[(Criterion, f64)]) -> Goal {
+        Goal::Best { criteria: criteria.to_vec(), count: 10, method: Method::Best }
+    }
+
     const SETTINGS: ExplainSettings = ExplainSettings { most: 12, spares: 4 };
 
     /// By the definitions of `d` and `v` alone.
@@ -233,7 +237,7 @@ mod tests {
         let mut problem = coarse();
         let survey = survey(&problem, &|_| {}).unwrap();
         for criterion in [Criterion::V, Criterion::D] {
-            problem.selection.criteria = vec![(criterion, 1.0)];
+            problem.selection.goal = best_ten(&[(criterion, 1.0)]);
             let (chooser, plan) = planned(&problem, &survey);
             let explained = explain(&problem, &chooser, &plan.selected, &SETTINGS, &|_| {}).unwrap();
             let covariance = |left_out: Option<usize>| {
@@ -267,18 +271,17 @@ mod tests {
         let mut problem = coarse();
         problem.constraints.view_separation = 4f64.to_radians();
         let survey = survey(&problem, &|_| {}).unwrap();
-        let by = |criteria: &[(Criterion, f64)], accuracies: &[(Accuracy, f64)]| {
-            let mut problem = problem.clone();
-            problem.selection.criteria = criteria.to_vec();
-            problem.selection.accuracies = accuracies.to_vec();
-            problem
-        };
         let problems = [
-            by(&[(Criterion::V, 1.0)], &[]),
-            by(&[(Criterion::V, 0.8), (Criterion::Diversity, 0.2)], &[]),
-            by(&[(Criterion::E, 1.0)], &[]),
-            by(&[(Criterion::V, 1.0)], &[(Accuracy::MapError, 3.0), (Accuracy::Intrinsic(0), 4.0)]),
-        ];
+            best_ten(&[(Criterion::V, 1.0)]),
+            best_ten(&[(Criterion::V, 0.8), (Criterion::Diversity, 0.2)]),
+            best_ten(&[(Criterion::E, 1.0)]),
+            Goal::Fewest { accuracies: vec![(Accuracy::MapError, 3.0), (Accuracy::Intrinsic(0), 4.0)] },
+        ]
+        .map(|goal| {
+            let mut problem = problem.clone();
+            problem.selection.goal = goal;
+            problem
+        });
         for problem in &problems {
             let (chooser, plan) = planned(problem, &survey);
             let explained = explain(problem, &chooser, &plan.selected, &SETTINGS, &|_| {}).unwrap();
@@ -351,7 +354,8 @@ mod tests {
         let text = std::fs::read_to_string(path).unwrap();
         let text = text.replace("model = \"brown-conrady\"\nk1 = -0.2\nk2 = 0.05", "model = \"none\"");
         let text = text.replace(", \"k1\", \"k2\", \"p1\", \"p2\", \"k3\"", "");
-        let problem = Problem::parse(&text, path).unwrap().with_step(20f64.to_radians()).unwrap();
+        let step = Overrides::new().set("sweep.step_deg=20").unwrap();
+        let problem = Problem::parse_with(&text, path, &step).unwrap();
         let survey = survey(&problem, &|_| {}).unwrap();
         let chooser = Chooser::new(&problem, &survey).unwrap();
         let few = chooser.choose(crate::problem::Method::Exchange, 3, 0).unwrap();

@@ -99,12 +99,12 @@ impl Plan {
             return Err(RecallError::Camera);
         }
         // The command line may ask for one criterion, but several are the file's.
-        let asked = &problem.selection.criteria;
+        let asked = problem.selection.goal.criteria();
         let is_asked = |(stated, asked): (&(Criterion, f64), &(Criterion, f64))| {
             stated.0 == asked.0 && (stated.1 - asked.1).abs() < 1e-12
         };
         let is_files = |criteria: &[(Criterion, f64)]| {
-            criteria.len() == 1 || criteria.len() == asked.len() && criteria.iter().zip(asked).all(is_asked)
+            criteria.len() == 1 || criteria.len() == asked.len() && criteria.iter().zip(asked.iter()).all(is_asked)
         };
         if self.criteria().is_some_and(|criteria| !is_files(&criteria)) {
             return Err(RecallError::Criterion { criterion: self.criterion.clone() });
@@ -132,7 +132,9 @@ impl Plan {
         let chooser = Chooser::new(problem, survey)?;
         let chooser = match self.criteria() {
             Some(criteria) => chooser.by(&criteria)?,
-            None if self.criterion == ACCURACY && !problem.selection.accuracies.is_empty() => chooser.by_accuracies(),
+            None if self.criterion == ACCURACY && !problem.selection.goal.accuracies().is_empty() => {
+                chooser.by_accuracies()
+            }
             None => return Err(RecallError::Criterion { criterion: self.criterion.clone() }),
         };
         Ok((chooser, self.places(survey)?))

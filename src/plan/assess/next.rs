@@ -9,8 +9,7 @@ use crate::feasibility::View;
 use crate::plan::choose::{Chooser, PlanError};
 use crate::plan::document::{PlannedPose, poses_csv};
 use crate::plan::survey::candidates;
-use crate::problem::Method;
-use crate::problem::{PoseConstraints, Problem};
+use crate::problem::{Method, PoseConstraints, Problem};
 
 /// How many poses to propose.
 #[derive(Debug, Clone, Copy, PartialEq)]

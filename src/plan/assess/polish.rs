@@ -313,15 +313,14 @@ mod tests {
     use super::*;
     use crate::information::Criterion;
     use crate::plan::survey::survey;
-    use crate::problem::Method;
-    use crate::problem::{Accuracy, JointRegion, PoseGroup};
+    use crate::problem::{Accuracy, Goal, JointRegion, Method, Overrides, PoseGroup};
     use crate::robot::Limits;
     use crate::selection::packed::unpack;
     use crate::target::AxisCase;
 
     fn coarse() -> Problem {
-        let problem = Problem::read(Path::new("problems/servosila-engineer.toml")).unwrap();
-        problem.with_step(20f64.to_radians()).unwrap()
+        let step = Overrides::new().set("sweep.step_deg=20").unwrap();
+        Problem::read_with(Path::new("problems/servosila-engineer.toml"), &step).unwrap()
     }
 
     const SETTINGS: PolishSettings = PolishSettings { cycles: 3, least_gain: 1e-4 };
@@ -374,7 +373,8 @@ mod tests {
     #[test]
     fn every_objective_is_polished_and_never_loses() {
         let mut problem = coarse();
-        problem.selection.accuracies = vec![(Accuracy::MapError, 3.0), (Accuracy::Intrinsic(0), 4.0)];
+        problem.selection.goal =
+            Goal::Fewest { accuracies: vec![(Accuracy::MapError, 3.0), (Accuracy::Intrinsic(0), 4.0)] };
         let survey = survey(&problem, &|_| {}).unwrap();
         let chooser = Chooser::new(&problem, &survey).unwrap();
         let criteria = [

@@ -184,7 +184,7 @@ impl<'a> Chooser<'a> {
     pub fn new(problem: &'a Problem, survey: &'a Survey) -> Result<Self, PlanError> {
         let captured = captured(problem)?;
         let known = known(problem, &captured)?;
-        Self::with(problem, survey, &problem.selection.criteria, known, captured)
+        Self::with(problem, survey, &problem.selection.goal.criteria(), known, captured)
     }
 
     fn with(
@@ -220,8 +220,8 @@ impl<'a> Chooser<'a> {
     /// # Errors
     /// As [`Chooser::new`].
     pub fn with_prior(&self, prior: &DMatrix<f64>) -> Result<Self, PlanError> {
-        let criteria = self.problem.selection.criteria.iter().filter(|(criterion, _)| criterion.is_of_intrinsics());
-        let mut criteria: Vec<_> = criteria.copied().collect();
+        let mut criteria = self.problem.selection.goal.criteria().into_owned();
+        criteria.retain(|(criterion, _)| criterion.is_of_intrinsics());
         if criteria.is_empty() {
             criteria.push((Criterion::V, 1.0));
         }
@@ -234,7 +234,7 @@ impl<'a> Chooser<'a> {
 
     /// The same chooser by the accuracies that the problem wishes for, instead of its criteria.
     pub(crate) fn by_accuracies(&self) -> Self {
-        let accuracies = &self.problem.selection.accuracies;
+        let accuracies = self.problem.selection.goal.accuracies();
         Self {
             problem: self.problem,
             survey: self.survey,
@@ -341,7 +341,7 @@ impl<'a> Chooser<'a> {
                 AccuracyDocument { name: names[j].into(), wished, reached }
             }
         };
-        self.problem.selection.accuracies.iter().map(reached).collect()
+        self.problem.selection.goal.accuracies().iter().map(reached).collect()
     }
 
     /// A bound on every choice of `count` poses, without the effort of choosing the best.

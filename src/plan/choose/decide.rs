@@ -3,8 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::chooser::{Choice, Chooser, PlanError};
-use crate::problem::Method;
-use crate::problem::Problem;
+use crate::problem::{Goal, Method, Problem, SelectionSettings};
 use crate::selection::{Certificate, Refutation, SearchEnd, SearchProgress};
 
 /// A choice and what is proven of it.
@@ -52,27 +51,30 @@ pub fn make<'a>(
     chooser: Chooser<'a>,
     observe: &mut dyn FnMut(&SearchProgress) -> ControlFlow<()>,
 ) -> Result<(Made, Chooser<'a>), PlanError> {
-    let settings = &problem.selection;
-    if !settings.accuracies.is_empty() {
-        let (choice, found, chooser) = chooser.fewest(settings.seed, observe)?;
-        let certificate = found.best.relaxation.certificate;
-        let log_bound = certificate.log_bound;
-        let fewest = Some(FewestProof { least: found.least, refutation: found.refutation });
-        return Ok((Made { choice, certificate, log_bound, search: None, fewest }, chooser));
-    }
-    let (choice, certificate, search) = match settings.method {
+    let SelectionSettings { goal, seed, .. } = &problem.selection;
+    let (count, method) = match goal {
+        Goal::Best { count, method, .. } => (*count, *method),
+        Goal::Fewest { .. } => {
+            let (choice, found, chooser) = chooser.fewest(*seed, observe)?;
+            let certificate = found.best.relaxation.certificate;
+            let log_bound = certificate.log_bound;
+            let fewest = Some(FewestProof { least: found.least, refutation: found.refutation });
+            return Ok((Made { choice, certificate, log_bound, search: None, fewest }, chooser));
+        }
+    };
+    let (choice, certificate, search) = match method {
         Method::Exact => {
-            let (choice, certificate, search) = chooser.exact(settings.count, settings.seed, observe)?;
+            let (choice, certificate, search) = chooser.exact(count, *seed, observe)?;
             (choice, certificate, Some(search))
         }
         Method::Best => {
-            let (choice, certificate) = chooser.best(settings.count, settings.seed)?;
+            let (choice, certificate) = chooser.best(count, *seed)?;
             (choice, certificate, None)
         }
         method => {
-            let choice = chooser.choose(method, settings.count, settings.seed)?;
+            let choice = chooser.choose(method, count, *seed)?;
             chooser.require_observable(&choice)?;
-            (choice, chooser.certificate(settings.count)?, None)
+            (choice, chooser.certificate(count)?, None)
         }
     };
     let log_bound = search.as_ref().map_or(certificate.log_bound, |search| search.log_bound);
@@ -93,8 +95,8 @@ mod tests {
     #[test]
     fn hardly_any_of_the_possible_information_is_no_plan() {
         let mut problem = Problem::read(Path::new("problems/servosila-engineer.toml")).unwrap();
-        problem.selection.method = Method::KMeansJoints;
-        problem.selection.count = 2;
+        let criteria = problem.selection.goal.criteria().into_owned();
+        problem.selection.goal = Goal::Best { criteria, count: 2, method: Method::KMeansJoints };
         let survey = survey(&problem, &|_| {}).unwrap();
         let chooser = Chooser::new(&problem, &survey).unwrap();
         // Two views that determine all nine intrinsics by the book, and to thousands of pixels.

@@ -195,7 +195,7 @@ impl<'a> Objective<'a> {
             Some(Criterion::A) => vec![pixel_weight(problem)],
             Some(Criterion::V) => vec![survey.map_weight.clone()],
             Some(_) => vec![],
-            None => accuracy_weights(survey, &problem.selection.accuracies),
+            None => accuracy_weights(survey, problem.selection.goal.accuracies()),
         };
         self.terms
             .iter()

@@ -10,8 +10,8 @@ use crate::plan::choose::Made;
 use crate::plan::choose::{Chooser, PlanError};
 use crate::plan::survey::CollisionDocument;
 use crate::plan::survey::Survey;
-use crate::problem::Method;
-use crate::problem::Problem;
+
+use crate::problem::{OverrideError, Overrides, Problem};
 use crate::robot::{Chain, Joint, JointKind};
 use crate::target::Corners;
 
@@ -98,6 +98,24 @@ pub struct ProblemReference {
     pub name: String,
     /// SHA-256 of its bytes.
     pub sha256: String,
+    /// Values given in place of the file's, `KEY = VALUE` each.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub set: Vec<String>,
+}
+
+impl ProblemReference {
+    /// What `problem` was read from.
+    pub fn new(problem: &Problem) -> Self {
+        Self { name: problem.name.clone(), sha256: problem.sha256.clone(), set: problem.overrides.of_results() }
+    }
+
+    /// The values given in place of the file's.
+    ///
+    /// # Errors
+    /// When one is no `KEY = VALUE`.
+    pub fn overrides(&self) -> Result<Overrides, OverrideError> {
+        self.set.iter().try_fold(Overrides::new(), |overrides, text| overrides.set(text))
+    }
 }
 
 /// Counts of the sweep.
@@ -216,10 +234,9 @@ impl Plan {
             format: PLAN_FORMAT.into(),
             version: PLAN_VERSION,
             calipose: env!("CARGO_PKG_VERSION").into(),
-            problem: ProblemReference { name: problem.name.clone(), sha256: problem.sha256.clone() },
+            problem: ProblemReference::new(problem),
             criterion: chooser.criterion(),
-            // Accuracies have a way of their own, which selects by this method for every number of poses.
-            method: if fewest.is_some() { Method::Best } else { settings.method }.name().into(),
+            method: settings.goal.method().name().into(),
             count: choice.selected.len(),
             seed: settings.seed,
             value: chooser.natural(choice.log_value),

@@ -5,12 +5,11 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 
 use super::Survey;
-use super::refine::{join, spacings};
+use super::refine::{PICKS, join, spacings};
 use crate::feasibility::{Rejection, View};
 use crate::plan::assess::verify;
 use crate::plan::choose::{Chooser, PlanError};
-use crate::problem::Method;
-use crate::problem::{PoseConstraints, Problem};
+use crate::problem::{Goal, Method, PoseConstraints, Problem};
 use crate::sweep::{AxisRule, sweep};
 use crate::target::AxisCase;
 use crate::verification::Disturbance;
@@ -87,18 +86,19 @@ pub fn forecast(problem: &Problem, trials: usize) -> Forecast {
     let test = pilot.test + (corners - 1.0) * pilot.pass * share / pilot.handed_on.max(share).max(f64::MIN_POSITIVE);
     let mut seconds = sweeping(problem) + prepared.max(0.0) + candidates * test;
     let mut kept = views;
-    let mut count = problem.selection.accuracies.is_empty().then_some(problem.selection.count);
+    let mut count = problem.selection.goal.count();
     if let Some(chosen) = Chosen::new(&small, &pilot) {
         seconds += views * corners * chosen.inform;
         if let Some((try_one, joined)) = chosen.refining {
             let sample = problem.refinement.sample as f64;
+            let picked = count.unwrap_or(PICKS);
             for _ in 0..problem.refinement.rounds {
-                seconds += sample * try_one * corners + chosen.exchange.at(kept, problem.selection.count as f64);
+                seconds += sample * try_one * corners + chosen.exchange.at(kept, picked as f64);
                 kept += sample * joined;
             }
         }
         count = count.or_else(|| chosen.fewest(kept));
-        let k = count.unwrap_or(problem.selection.count) as f64;
+        let k = count.unwrap_or(PICKS) as f64;
         seconds += chosen.selection.at(kept, k) + chosen.clustering.at(kept, k) * CLUSTERINGS;
         seconds += chosen.trial * corners * k * trials as f64;
     }
@@ -114,7 +114,7 @@ pub fn forecast(problem: &Problem, trials: usize) -> Forecast {
 /// Bytes at most: the candidates' numbers, the views and what they teach, while they are gathered twice.
 fn bytes(problem: &Problem, candidates: f64, views: f64) -> f64 {
     let p = problem.estimated.len();
-    let numbers = problem.robot.chain.dof() + p * (p + 1) / 2 * (1 + problem.selection.criteria.len());
+    let numbers = problem.robot.chain.dof() + p * (p + 1) / 2 * (1 + problem.selection.goal.criteria().len());
     let seen = problem.visibility.min_corners.map_or(0, |_| problem.target.board.corner_count());
     let view = size_of::<View>() + 8 * (numbers + seen) + 32;
     PROGRAM + candidates * 16.0 + 2.0 * views * view as f64
@@ -250,8 +250,8 @@ impl<'a> Chosen<'a> {
         if m < 2 {
             return None;
         }
-        let wished = if problem.selection.accuracies.is_empty() { problem.selection.count } else { CHOSEN };
-        let poses = wished.min(CHOSEN).min(m / 2).max(1);
+        let asked = problem.selection.goal.count().unwrap_or(CHOSEN);
+        let poses = asked.min(CHOSEN).min(m / 2).max(1);
         let sizes = [(m / 3).max(poses), m];
         let part = |size: usize| Survey::of(problem, survey.views[..size].to_vec()).ok();
         let choose = |size: usize, select: &dyn Fn(&Chooser) -> Result<(), PlanError>| {
@@ -260,10 +260,10 @@ impl<'a> Chosen<'a> {
         };
         let settings = &problem.selection;
         let selection = Growth::new(sizes, poses, |size| {
-            choose(size, &|chooser| match settings.method {
-                _ if !settings.accuracies.is_empty() => chooser.by_accuracies().best(poses, settings.seed).map(drop),
-                Method::Best | Method::Exact => chooser.best(poses, settings.seed).map(drop),
-                method => {
+            choose(size, &|chooser| match settings.goal {
+                Goal::Fewest { .. } => chooser.by_accuracies().best(poses, settings.seed).map(drop),
+                Goal::Best { method: Method::Best | Method::Exact, .. } => chooser.best(poses, settings.seed).map(drop),
+                Goal::Best { method, .. } => {
                     chooser.choose(method, poses, settings.seed)?;
                     chooser.certificate(poses).map(drop)
                 }
@@ -275,10 +275,11 @@ impl<'a> Chosen<'a> {
             })
         };
         let (exchange, clustering) = (by(Method::Exchange)?, by(Method::KMeansJoints)?);
-        let selection = if settings.accuracies.is_empty() {
-            selection
-        } else {
-            Growth { seconds: FEWEST * selection.seconds, each: FEWEST * selection.each, ..selection }
+        let selection = match settings.goal {
+            Goal::Best { .. } => selection,
+            Goal::Fewest { .. } => {
+                Growth { seconds: FEWEST * selection.seconds, each: FEWEST * selection.each, ..selection }
+            }
         };
         let chooser = Chooser::new(problem, &survey).ok()?;
         let choice = chooser.choose(Method::Exchange, poses, settings.seed).ok()?;

@@ -16,6 +16,9 @@ use rayon::prelude::*;
 /// further round within half of that.
 const SPACINGS: f64 = 1.0;
 
+/// Poses picked where their number is not asked for.
+pub(super) const PICKS: usize = 10;
+
 /// The survey of `problem`, and as many rounds of refinement as it asks for: exchange picks poses by the problem's criteria,
 /// and configurations around the picks that are views join the candidates. The certificate of a plan chosen from them holds
 /// over all of them. `observe` as in [`survey`].
@@ -26,7 +29,7 @@ pub fn candidates(problem: &Problem, observe: &(dyn Fn(usize) + Sync)) -> Result
     let mut survey = survey(problem, observe)?;
     let mut radii: Vec<f64> = spacings(problem).iter().map(|spacing| SPACINGS * spacing).collect();
     for _ in 0..problem.refinement.rounds {
-        let count = problem.selection.count.min(survey.views.len());
+        let count = problem.selection.goal.count().unwrap_or(PICKS).min(survey.views.len());
         let chooser = Chooser::new(problem, &survey)?;
         // Where nothing can be picked there is nothing to refine; the selection itself says why.
         let Ok(picked) = chooser.choose(Method::Exchange, count, problem.selection.seed) else { break };
@@ -92,12 +95,12 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::problem::Refinement;
+    use crate::problem::{Overrides, Refinement};
 
     #[test]
     fn refined_candidates_are_views_near_the_picks_and_better_ones() {
-        let mut problem = Problem::read(Path::new("problems/servosila-engineer.toml")).unwrap();
-        problem = problem.with_step(15f64.to_radians()).unwrap();
+        let step = Overrides::new().set("sweep.step_deg=15").unwrap();
+        let mut problem = Problem::read_with(Path::new("problems/servosila-engineer.toml"), &step).unwrap();
         let coarse = candidates(&problem, &|_| {}).unwrap();
         assert_eq!(coarse, survey(&problem, &|_| {}).unwrap());
         problem.refinement = Refinement { rounds: 2, sample: 600 };

@@ -94,7 +94,7 @@ impl Diagnostic for ProblemError {
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
         match self {
-            Self::Invalid { file, .. } => Some(file),
+            Self::Invalid { file, .. } => self.single().and_then(Fault::source_code).or(Some(file)),
             Self::Read { .. } | Self::Encoding { .. } => None,
         }
     }

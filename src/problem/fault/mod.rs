@@ -8,7 +8,7 @@ use std::fmt;
 use std::ops::{Bound, Range, RangeBounds};
 use std::path::PathBuf;
 
-use miette::{Diagnostic, LabeledSpan};
+use miette::{Diagnostic, LabeledSpan, SourceCode};
 use thiserror::Error;
 
 use crate::camera::Lens;
@@ -23,6 +23,8 @@ pub struct Fault {
     pub key: String,
     /// Whether the file has the key. Where it does not, the value at fault is the default.
     pub written: bool,
+    /// The line that gives the value in place of the file's: line, column and bytes are its own then.
+    pub given: Option<String>,
     /// Line in the file, from 1.
     pub line: usize,
     /// Column in the line, in characters from 1.
@@ -457,6 +459,11 @@ impl Diagnostic for Fault {
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
         Some(Box::new(std::iter::once(LabeledSpan::new_with_span(Some(self.label()), self.span.clone()))))
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        // The file's own text is the error's that holds the fault.
+        self.given.as_ref().map(|line| line as &dyn SourceCode)
     }
 }
 

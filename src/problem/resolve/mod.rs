@@ -16,9 +16,8 @@ use nalgebra::{Quaternion, UnitQuaternion};
 
 use super::fault::{Allowed, Fault, Reason};
 use super::schema::Numbers;
-use super::text;
-use super::text::{Document, KeyPath};
-use super::{Note, Problem, schema};
+use super::text::{self, Document, KeyPath};
+use super::{Note, Overrides, Problem, schema};
 use crate::calibration::FEWEST_CORNERS;
 use crate::camera::{Camera, Lens};
 use crate::feasibility::VisibilityLimits;
@@ -35,13 +34,8 @@ const NOISE: Allowed = Allowed::between(1e-6, 1e3);
 const ANGLE: Allowed = Allowed::between(-3600.0, 3600.0);
 
 /// The problem that `file` states, or everything found wrong with it. `path` names a problem that has no name, and is where
-/// other files are sought from; `sha256` is the digest of the file's bytes.
-pub(super) fn resolve(
-    document: &Document,
-    file: &schema::File,
-    path: &Path,
-    sha256: String,
-) -> Result<Problem, Vec<Fault>> {
+/// other files are sought from.
+pub(super) fn resolve(document: &Document, file: &schema::File, path: &Path) -> Result<Problem, Vec<Fault>> {
     let mut check = Check { document, faults: Vec::new(), notes: Vec::new() };
     let stem = path.file_stem().map(std::ffi::OsStr::to_string_lossy).unwrap_or_default();
     let name = check.name(file.name.as_deref(), &stem);
@@ -71,20 +65,21 @@ pub(super) fn resolve(
     let selection = check.selection(&file.selection, &names);
     let joints = robot.as_ref().map(|robot| robot.chain.joints.as_slice()).unwrap_or_default();
     let constraints = check.constraints(&file.constraints, joints);
-    check.unconstrained_method(&selection, &constraints);
+    check.unconstrained_method(selection.goal.method(), &constraints);
     // The size of the sweep means something only once the limits do.
     let space = robot.as_ref().and_then(|robot| check.space(&file.sweep, robot));
     let published = check.published(&file.sweep);
     let joints = robot.as_ref().map(|robot| robot.chain.joints.as_slice()).unwrap_or_default();
     let refinement = check.refinement(&file.sweep, joints);
-    if let Some(space) = &space {
+    if let (Some(space), Some(count)) = (&space, selection.goal.count()) {
         let path = KeyPath::section("selection").key("count");
-        check.number(&path, selection.count as f64, Allowed::between(1.0, space.len() as f64));
+        check.number(&path, count as f64, Allowed::between(1.0, space.len() as f64));
     }
     match (robot, camera, target, space) {
         (Some(robot), Some(camera), Some(target), Some(space)) if check.faults.is_empty() => Ok(Problem {
             name,
-            sha256,
+            sha256: String::new(),
+            overrides: Overrides::new(),
             robot,
             camera,
             target,

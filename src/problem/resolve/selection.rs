@@ -10,8 +10,11 @@ use crate::problem::fault::{Allowed, Reason};
 use crate::problem::schema;
 use crate::problem::schema::{Numbers, Range, TextOrTable};
 use crate::problem::text::KeyPath;
-use crate::problem::{Accuracy, JointRegion, PoseConstraints, PoseGroup, SelectionSettings};
+use crate::problem::{Accuracy, Goal, JointRegion, Method, PoseConstraints, PoseGroup, SelectionSettings};
 use crate::robot::{Joint, JointKind, Limits};
+
+/// Number of poses where the file does not say.
+const DEFAULT_COUNT: usize = 10;
 
 /// Key of the map error among the accuracies.
 const MAP_ERROR: &str = "map_error_px";
@@ -31,10 +34,7 @@ impl Check<'_, '_> {
         let time_limit = self.number(&at.key("time_limit_s"), selection.time_limit_s, Allowed::between(0.0, 1e6));
         let nodes = Allowed::between(0.0, 1e12);
         SelectionSettings {
-            criteria: self.criteria(&at.key("criterion"), &selection.criterion),
-            accuracies: self.accuracies(&at.key("accuracy"), &selection.accuracy, estimated),
-            method: selection.method.0,
-            count: selection.count as usize,
+            goal: self.goal(selection, estimated),
             seed: selection.seed,
             tolerance: self.number(&at.key("tolerance"), selection.tolerance, Allowed::between(1e-12, 0.1)),
             time_limit: Duration::try_from_secs_f64(time_limit).unwrap_or_default(),
@@ -42,11 +42,36 @@ impl Check<'_, '_> {
         }
     }
 
+    /// Either accuracies or criteria: what only one of them has a use for is refused beside the other.
+    fn goal(&mut self, selection: &schema::Selection, estimated: &[&str]) -> Goal {
+        let at = KeyPath::section("selection");
+        let Some(accuracy) = &selection.accuracy else {
+            return Goal::Best {
+                criteria: match &selection.criterion {
+                    Some(criterion) => self.criteria(&at.key("criterion"), criterion),
+                    None => vec![(Criterion::V, 1.0)],
+                },
+                count: selection.count.map_or(DEFAULT_COUNT, |count| count as usize),
+                method: selection.method.map_or(Method::Best, |method| method.0),
+            };
+        };
+        for (key, given) in [
+            ("criterion", selection.criterion.is_some()),
+            ("count", selection.count.is_some()),
+            ("method", selection.method.is_some()),
+        ] {
+            if given {
+                self.fault(&at.key(key), Reason::Conflict { with: "selection.accuracy" });
+            }
+        }
+        Goal::Fewest { accuracies: self.accuracies(&at.key("accuracy"), accuracy, estimated) }
+    }
+
     /// Shares are normalised to add up to one.
     fn criteria(
         &mut self,
         path: &KeyPath,
-        criterion: &TextOrTable<crate::problem::schema::Named<Criterion>, BTreeMap<String, f64>>,
+        criterion: &TextOrTable<schema::Named<Criterion>, BTreeMap<String, f64>>,
     ) -> Vec<(Criterion, f64)> {
         let shares = match criterion {
             TextOrTable::Text(criterion) => return vec![(criterion.0, 1.0)],
@@ -76,6 +101,9 @@ impl Check<'_, '_> {
         wished: &BTreeMap<String, f64>,
         estimated: &[&str],
     ) -> Vec<(Accuracy, f64)> {
+        if wished.is_empty() {
+            self.fault(path, Reason::Empty);
+        }
         let mut accuracies = Vec::new();
         for (name, &sigma) in wished {
             let key = path.key(name);
@@ -170,10 +198,10 @@ impl Check<'_, '_> {
     }
 
     /// Baselines choose without looking at constraints.
-    pub(super) fn unconstrained_method(&mut self, selection: &SelectionSettings, constraints: &PoseConstraints) {
-        if !selection.method.heeds_constraints() && !constraints.allow_all() {
+    pub(super) fn unconstrained_method(&mut self, method: Method, constraints: &PoseConstraints) {
+        if !method.heeds_constraints() && !constraints.allow_all() {
             let reason = Reason::NotApplicable {
-                to: format!("method \"{}\"", selection.method.name()),
+                to: format!("method \"{}\"", method.name()),
                 instead: "take another method, or leave the constraints out".into(),
             };
             self.fault(&KeyPath::section("constraints"), reason);

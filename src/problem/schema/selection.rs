@@ -17,16 +17,16 @@ pub(crate) struct Selection {
     /// What to make good: "v" the mean variance of the calibrated projection over the image, "d" the volume of the confidence
     /// ellipsoid, "a" the sum of the intrinsics' variances and "e" their worst combination, in units that move the image
     /// by 1 px, "zhang" the worst direction of the closed-form solution, "diversity" the spread over angle and distance; or
-    /// a table of several with their shares, as in `{ v = 0.8, diversity = 0.2 }`.
-    pub(crate) criterion: TextOrTable<Named<Criterion>, BTreeMap<String, f64>>,
-    /// How to choose.
-    pub(crate) method: Named<Method>,
-    /// Number of poses.
+    /// a table of several with their shares, as in `{ v = 0.8, diversity = 0.2 }`; "v" when left out.
+    pub(crate) criterion: Option<TextOrTable<Named<Criterion>, BTreeMap<String, f64>>>,
+    /// How to choose; "best" when left out.
+    pub(crate) method: Option<Named<Method>>,
+    /// Number of poses; 10 when left out.
     #[schemars(range(min = 1))]
-    pub(crate) count: u64,
-    /// Accuracies to reach with as few poses as possible: `map_error_px` and names of estimated intrinsics, each with the
-    /// standard deviation wished for, as in `{ map_error_px = 2, fx = 1.5 }`. It takes the place of `criterion` and `count`.
-    pub(crate) accuracy: BTreeMap<String, f64>,
+    pub(crate) count: Option<u64>,
+    /// Accuracies to reach with as few poses as possible, in place of `criterion`, `method` and `count`: `map_error_px` and names of
+    /// estimated intrinsics, each with the standard deviation asked for, as in `{ map_error_px = 2, fx = 1.5 }`.
+    pub(crate) accuracy: Option<BTreeMap<String, f64>>,
     /// Seed of everything random.
     pub(crate) seed: u64,
     /// Relative gap at which the relaxation stops.
@@ -81,10 +81,10 @@ pub(crate) struct Group {
 impl Default for Selection {
     fn default() -> Self {
         Self {
-            criterion: TextOrTable::Text(Named(Criterion::V)),
-            method: Named(Method::Best),
-            count: 10,
-            accuracy: BTreeMap::new(),
+            criterion: None,
+            method: None,
+            count: None,
+            accuracy: None,
             seed: 0,
             tolerance: 1e-9,
             time_limit_s: 60.0,

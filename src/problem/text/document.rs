@@ -3,20 +3,42 @@
 use std::fmt;
 use std::ops::Range;
 
+use serde::de::DeserializeOwned;
 use toml::Spanned;
-use toml::de::{DeTable, DeValue, Error};
+use toml::de::{DeTable, DeValue, Deserializer, Error};
+
+use super::merge;
+use super::overrides::{Override, Overrides};
 
 /// The way from the root of a document to a key: `robot.joints[2].a_mm`.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub(crate) struct KeyPath(Vec<Segment>);
+pub(crate) struct KeyPath(pub(super) Vec<Segment>);
 
 #[derive(Debug, Clone, PartialEq, Eq)]
-enum Segment {
+pub(super) enum Segment {
     Key(String),
     Index(usize),
 }
 
 impl KeyPath {
+    /// The path that `text` writes as [`Display`](fmt::Display) does, if it is one.
+    pub(super) fn parse(text: &str) -> Option<Self> {
+        let mut path = Self::default();
+        for part in text.split('.') {
+            let (name, indices) = part.split_at(part.find('[').unwrap_or(part.len()));
+            let is_bare =
+                |name: &str| !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || "_-".contains(c));
+            path = path.key(Some(name).filter(|name| is_bare(name))?);
+            for index in indices.split_terminator(']') {
+                path = path.at(index.strip_prefix('[')?.parse().ok()?);
+            }
+            if !indices.is_empty() && !indices.ends_with(']') {
+                return None;
+            }
+        }
+        Some(path)
+    }
+
     /// The path of a section.
     pub(crate) fn section(name: &str) -> Self {
         Self::default().key(name)
@@ -59,18 +81,88 @@ impl fmt::Display for KeyPath {
     }
 }
 
-/// The text of a problem file with the place of every key and value.
+/// A problem file's text and below it a line for each value given in its place, so that every value has its bytes.
+pub(crate) struct Source {
+    text: String,
+    /// Bytes of the file.
+    file: usize,
+    /// The lines below it, and their keys and values.
+    overrides: Vec<(Range<usize>, Override)>,
+}
+
+impl Source {
+    pub(crate) fn new(file: &str, overrides: &Overrides) -> Self {
+        let mut source = Self { text: file.to_owned(), file: file.len(), overrides: Vec::new() };
+        for given in overrides.iter() {
+            source.text.push('\n');
+            let start = source.text.len();
+            source.text += &given.to_string();
+            source.overrides.push((start..source.text.len(), given.clone()));
+        }
+        source
+    }
+
+    /// The file's own text.
+    pub(crate) fn file(&self) -> &str {
+        &self.text[..self.file]
+    }
+
+    /// The line below the file that holds the byte.
+    fn line_below(&self, byte: usize) -> Option<Range<usize>> {
+        self.overrides.iter().map(|(line, _)| line).find(|line| line.start <= byte && byte <= line.end).cloned()
+    }
+}
+
+/// A problem file with the place of every key and value, those given in place of the file's among them.
 pub(crate) struct Document<'a> {
-    text: &'a str,
-    /// First byte of every line.
-    lines: Vec<usize>,
+    source: &'a Source,
     root: Spanned<DeTable<'a>>,
 }
 
+/// Why a text is no document.
+#[derive(Debug)]
+pub(crate) struct Unreadable {
+    pub(crate) message: String,
+    pub(crate) span: Range<usize>,
+}
+
+impl From<Error> for Unreadable {
+    fn from(error: Error) -> Self {
+        Self { message: error.message().to_owned(), span: error.span().unwrap_or(0..0) }
+    }
+}
+
+/// Where something stands.
+pub(crate) struct Place {
+    /// The line that gives a value in place of the file's; none if the place is in the file.
+    pub(crate) given: Option<String>,
+    /// Bytes of the file or of that line.
+    pub(crate) span: Range<usize>,
+    /// From 1.
+    pub(crate) line: usize,
+    /// From 1, in characters.
+    pub(crate) column: usize,
+}
+
 impl<'a> Document<'a> {
-    pub(crate) fn parse(text: &'a str) -> Result<Self, Error> {
-        let lines = std::iter::once(0).chain(text.match_indices('\n').map(|(newline, _)| newline + 1)).collect();
-        Ok(Self { text, lines, root: DeTable::parse(text)? })
+    /// # Errors
+    /// When the file is not TOML, or a value has no place in it.
+    pub(crate) fn parse(source: &'a Source) -> Result<Self, Unreadable> {
+        let mut root = DeTable::parse(source.file())?;
+        for (line, given) in &source.overrides {
+            merge::put(root.get_mut(), given, &source.text, line)?;
+        }
+        Ok(Self { source, root })
+    }
+
+    /// What the document says, as `T`.
+    pub(crate) fn read<T: DeserializeOwned>(&self) -> Result<T, Error> {
+        T::deserialize(Deserializer::from(self.root.clone()))
+    }
+
+    /// Where the bytes are.
+    pub(crate) fn place(&self, span: &Range<usize>) -> Place {
+        place(self.source, span)
     }
 
     /// The bytes of the value at `path`, of the key if it is a section; of the nearest key above where the file leaves
@@ -84,7 +176,7 @@ impl<'a> Document<'a> {
             };
             nearest = key.unwrap_or_else(|| value.span());
             children = Children::of(value.get_ref());
-            let header = self.text[value.span()].starts_with("[[");
+            let header = self.source.text[value.span()].starts_with("[[");
             if !(header || matches!(children, Children::Table(_))) {
                 nearest = value.span();
             }
@@ -96,17 +188,26 @@ impl<'a> Document<'a> {
     pub(crate) fn path_at(&self, span: &Range<usize>) -> KeyPath {
         find(self.root.get_ref(), &KeyPath::default(), span).unwrap_or_default()
     }
+}
 
-    /// Line and column of a byte, both from 1; columns count characters.
-    pub(crate) fn line_and_column(&self, byte: usize) -> (usize, usize) {
-        let line = self.lines.partition_point(|&start| start <= byte);
-        let start = self.lines.get(line.saturating_sub(1)).copied().unwrap_or_default();
-        (line, self.text.get(start..byte).unwrap_or_default().chars().count() + 1)
+/// Where the bytes of `source` are.
+pub(super) fn place(source: &Source, span: &Range<usize>) -> Place {
+    match source.line_below(span.start) {
+        Some(line) => {
+            let text = &source.text[line.clone()];
+            let span = span.start - line.start..span.end.min(line.end) - line.start;
+            let (line, column) = line_and_column(text, span.start);
+            Place { given: Some(text.to_owned()), span, line, column }
+        }
+        None => {
+            let (line, column) = line_and_column(source.file(), span.start);
+            Place { given: None, span: span.clone(), line, column }
+        }
     }
 }
 
 /// Line and column of a byte of `text`, both from 1; columns count characters.
-pub(crate) fn line_and_column(text: &str, byte: usize) -> (usize, usize) {
+fn line_and_column(text: &str, byte: usize) -> (usize, usize) {
     let before = text.get(..byte).unwrap_or(text);
     let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
     (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
@@ -165,8 +266,12 @@ mod tests {
 
     const TEXT: &str = "name = \"ä\"\n[robot]\nflange = { position_mm = [1, 2, 3] }\n[[robot.joints]]\na_mm = 7\n[[robot.joints]]\nb = 8\n";
 
+    fn source() -> Source {
+        Source::new(TEXT, &Overrides::new())
+    }
+
     fn at(path: &KeyPath) -> &str {
-        &TEXT[Document::parse(TEXT).unwrap().locate(path).0]
+        &TEXT[Document::parse(&source()).unwrap().locate(path).0]
     }
 
     #[test]
@@ -185,7 +290,8 @@ mod tests {
 
     #[test]
     fn paths_are_found_by_place() {
-        let document = Document::parse(TEXT).unwrap();
+        let source = source();
+        let document = Document::parse(&source).unwrap();
         let path = KeyPath::section("robot").key("joints").at(1).key("b");
         let (value, written) = document.locate(&path);
         assert!(written && !document.locate(&path.key("c")).1);

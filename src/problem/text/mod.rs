@@ -1,7 +1,10 @@
-//! The text of a problem file: what it says, and where.
+//! The text of a problem file, with what is given in place of its values: what it says, and where.
 
 mod document;
+mod merge;
+mod overrides;
 mod syntax;
 
-pub(super) use document::{Document, KeyPath};
+pub(super) use document::{Document, KeyPath, Source};
+pub use overrides::{OverrideError, Overrides};
 pub(super) use syntax::{fault, read};

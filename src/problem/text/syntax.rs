@@ -1,33 +1,31 @@
 //! From the text of a problem file to its schema, and from serde's complaints to faults.
 
-use super::document::{Document, KeyPath, line_and_column};
+use super::document::{Document, KeyPath, Place, Source, place};
 use crate::problem::fault::{Fault, Reason};
-use crate::problem::schema::File;
-use crate::problem::schema::{least, meaning};
+use crate::problem::schema::{File, least, meaning};
 
-/// The document of `text`, and what it says.
-pub(crate) fn read(text: &str) -> Result<(Document<'_>, File), Box<Fault>> {
-    let document = Document::parse(text).map_err(|error| {
-        let span = error.span().unwrap_or(0..0);
-        let (line, column) = line_and_column(text, span.start);
-        let reason = Reason::Syntax { message: error.message().to_owned() };
-        Box::new(Fault { key: String::new(), written: true, line, column, span, reason, meaning: None })
+/// The document of `source`, and what it says.
+pub(crate) fn read(source: &Source) -> Result<(Document<'_>, File), Box<Fault>> {
+    let document = Document::parse(source).map_err(|error| {
+        let Place { given, span, line, column } = place(source, &error.span);
+        let reason = Reason::Syntax { message: error.message };
+        Box::new(Fault { key: String::new(), written: true, given, line, column, span, reason, meaning: None })
     })?;
-    match toml::from_str(text) {
+    match document.read() {
         Ok(file) => Ok((document, file)),
-        Err(error) => Err(Box::new(translate(&document, text, &error))),
+        Err(error) => Err(Box::new(translate(&document, &error))),
     }
 }
 
 /// A fault at `path`, pointing at its value.
 pub(crate) fn fault(document: &Document, path: &KeyPath, reason: Reason) -> Fault {
     let (span, written) = document.locate(path);
-    let (line, column) = document.line_and_column(span.start);
-    Fault { key: path.to_string(), written, line, column, span, reason, meaning: meaning(path) }
+    let Place { given, span, line, column } = document.place(&span);
+    Fault { key: path.to_string(), written, given, line, column, span, reason, meaning: meaning(path) }
 }
 
 /// Serde reports in text only; its wording is stable, and snapshots of the messages hold it.
-fn translate(document: &Document, text: &str, error: &toml::de::Error) -> Fault {
+fn translate(document: &Document, error: &toml::de::Error) -> Fault {
     let message = error.message();
     let span = error.span().unwrap_or(0..0);
     let path = document.path_at(&span);
@@ -47,8 +45,8 @@ fn translate(document: &Document, text: &str, error: &toml::de::Error) -> Fault 
     } else {
         Reason::Syntax { message: message.to_owned() }
     };
-    let (line, column) = line_and_column(text, span.start);
-    Fault { key: path.to_string(), written: true, line, column, span, reason, meaning: meaning(&path) }
+    let Place { given, span, line, column } = document.place(&span);
+    Fault { key: path.to_string(), written: true, given, line, column, span, reason, meaning: meaning(&path) }
 }
 
 fn plain_found(serde: &str) -> String {

@@ -168,7 +168,9 @@ impl Setting {
         };
         let mut wished: Vec<Wish> = problem
             .iter()
-            .flat_map(|problem| problem.selection.accuracies.iter().filter_map(|accuracy| wish(problem, accuracy)))
+            .flat_map(|problem| {
+                problem.selection.goal.accuracies().iter().filter_map(|accuracy| wish(problem, accuracy))
+            })
             .collect();
         if let Some(map_error) = arguments.map_error {
             wished.retain(|wish| !matches!(wish, Wish::MapError(_)));

@@ -5,17 +5,15 @@ mod notes;
 mod sight;
 mod tested;
 
-use std::path::Path;
-
 use serde_json::{Value, json};
 
 use super::plan::what_views_do;
+use crate::cli::arguments::ProblemArguments;
 use crate::cli::memory::Memory;
 use crate::cli::output::failure::Failure;
 use crate::cli::output::{Screen, grouped};
 use crate::plan::survey::{CollisionDocument, Diagnosis, Forecast, Obstacle, diagnose, forecast};
-use crate::problem::Method;
-use crate::problem::{Accuracy, Problem};
+use crate::problem::{Accuracy, Goal, Problem};
 use crate::sweep::JointSpace;
 use lens::{lens, lens_text};
 use notes::{notes, notes_text};
@@ -25,15 +23,15 @@ use tested::{center_of_mass, self_collision, tests_text};
 /// Simulated calibrations that `plan` ends with when nothing else is asked for.
 const TRIALS: usize = 100;
 
-pub(crate) fn run(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
-    let problem = Problem::read(file)?;
+pub(crate) fn run(arguments: &ProblemArguments, screen: &mut Screen) -> Result<(), Failure> {
+    let problem = arguments.problem(&[])?;
     let Problem { robot, space, .. } = &problem;
     let checks = problem.checks();
     let total = space.len();
     let forecast = forecast(&problem, TRIALS);
     let Forecast { tried, views, seconds, bytes, .. } = forecast;
     // Fewer views than poses are worth a look, and so are hardly more.
-    let is_scarce = views < forecast.count.unwrap_or(problem.selection.count);
+    let is_scarce = forecast.count.is_some_and(|count| views < count) || views == 0;
     let diagnosis = is_scarce.then(|| diagnose(&problem));
     let memory = Memory::here().warning(bytes);
     let space_text = match space {
@@ -52,7 +50,7 @@ pub(crate) fn run(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
             "estimated_views": views,
             "estimated_poses": forecast.count,
             "estimated_seconds": seconds,
-            "search_limit_seconds": searches(&problem).then_some(problem.selection.time_limit.as_secs_f64()),
+            "search_limit_seconds": problem.selection.goal.searches().then_some(problem.selection.time_limit.as_secs_f64()),
             "estimated_memory_mb": (bytes / 1e6).ceil(),
             "memory_warning": memory,
             "diagnosis": diagnosis.as_ref().map(diagnosis_document),
@@ -81,7 +79,7 @@ pub(crate) fn run(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
         problem.estimated_names().join(" "),
         problem.output.display(),
         duration(seconds),
-        if searches(&problem) {
+        if problem.selection.goal.searches() {
             format!(
                 ", up to {} more for the search for the proof,",
                 duration(problem.selection.time_limit.as_secs_f64())
@@ -101,21 +99,17 @@ pub(crate) fn run(file: &Path, screen: &mut Screen) -> Result<(), Failure> {
     screen.text(&text)
 }
 
-/// Whether a search follows that its time limit ends.
-fn searches(problem: &Problem) -> bool {
-    let selection = &problem.selection;
-    selection.method == Method::Exact || !selection.accuracies.is_empty()
-}
-
 /// What would be chosen, and how.
 fn chosen(problem: &Problem, forecast: &Forecast) -> String {
-    let selection = &problem.selection;
+    let goal = &problem.selection.goal;
     let names = problem.estimated_names();
-    if selection.accuracies.is_empty() {
-        let method = selection.method.name();
-        return format!("{} poses by `{method}` for criterion `{}`", grouped(selection.count), selection.criterion());
-    }
-    let wished = selection.accuracies.iter().map(|&(accuracy, wished)| match accuracy {
+    let accuracies = match goal {
+        Goal::Best { count, method, .. } => {
+            return format!("{} poses by `{}` for criterion `{goal}`", grouped(*count), method.name());
+        }
+        Goal::Fewest { accuracies } => accuracies,
+    };
+    let wished = accuracies.iter().map(|&(accuracy, wished)| match accuracy {
         Accuracy::MapError => format!("map_error_px {wished}"),
         Accuracy::Intrinsic(j) => format!("{} {wished}", names[j]),
     });

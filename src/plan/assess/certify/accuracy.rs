@@ -58,6 +58,6 @@ impl PredictedAccuracy {
             Accuracy::MapError => AccuracyDocument { name: "map_error_px".into(), wished, reached: self.map_error },
             Accuracy::Intrinsic(j) => AccuracyDocument { name: self.names[j].into(), wished, reached: self.sigma[j] },
         };
-        problem.selection.accuracies.iter().map(reached).collect()
+        problem.selection.goal.accuracies().iter().map(reached).collect()
     }
 }

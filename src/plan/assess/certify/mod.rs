@@ -64,7 +64,7 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
         format,
         version,
         calipose: _,
-        problem: ProblemReference { name, sha256 },
+        problem: ProblemReference { name, sha256, set },
         criterion,
         method,
         count,
@@ -88,6 +88,7 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
     same("the version", version, &PLAN_VERSION)?;
     same("the problem's name", name, &problem.name)?;
     same("the problem's hash", sha256, &problem.sha256)?;
+    alike("what is given in place of the problem file's values", set, &problem.overrides.of_results())?;
     plan.fit(problem)?;
     let (chooser, selected) = plan.recall(problem, survey)?;
     if *criterion != chooser.criterion() {

@@ -1,0 +1,106 @@
+//! What is asked for.
+
+use std::borrow::Cow;
+use std::fmt;
+use std::time::Duration;
+
+use super::Method;
+use crate::information::Criterion;
+
+/// What to choose, and within which limits.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SelectionSettings {
+    /// What is asked for.
+    pub goal: Goal,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// Relative gap at which the relaxation stops.
+    pub tolerance: f64,
+    /// Time after which a search for the proven best set ends.
+    pub time_limit: Duration,
+    /// Nodes after which it does.
+    pub node_limit: usize,
+}
+
+/// What is asked for: the best of sets of one size, or the smallest of those that are good enough.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Goal {
+    /// So many poses, by criteria.
+    Best {
+        /// What to optimise: the weighted geometric mean of these criteria; the shares add up to one.
+        criteria: Vec<(Criterion, f64)>,
+        /// Number of poses.
+        count: usize,
+        /// How to choose them.
+        method: Method,
+    },
+    /// As few poses as possible that reach all of these accuracies, as standard deviations.
+    Fewest {
+        /// At least one.
+        accuracies: Vec<(Accuracy, f64)>,
+    },
+}
+
+/// Something that has a standard deviation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Accuracy {
+    /// The RMS map error, px.
+    MapError,
+    /// An intrinsic, in its own unit: index among the estimated.
+    Intrinsic(usize),
+}
+
+impl Goal {
+    /// What the accuracies are called where criteria have their names.
+    pub const ACCURACY: &'static str = "accuracy";
+
+    /// The criteria, or, of accuracies, the one that stands for them where a criterion is needed: `v`.
+    pub fn criteria(&self) -> Cow<'_, [(Criterion, f64)]> {
+        match self {
+            Self::Best { criteria, .. } => Cow::Borrowed(criteria),
+            Self::Fewest { .. } => Cow::Owned(vec![(Criterion::V, 1.0)]),
+        }
+    }
+
+    /// The accuracies; none of a goal by criteria.
+    pub fn accuracies(&self) -> &[(Accuracy, f64)] {
+        match self {
+            Self::Best { .. } => &[],
+            Self::Fewest { accuracies } => accuracies,
+        }
+    }
+
+    /// Number of poses, where it is asked for.
+    pub fn count(&self) -> Option<usize> {
+        match self {
+            Self::Best { count, .. } => Some(*count),
+            Self::Fewest { .. } => None,
+        }
+    }
+
+    /// How the poses are chosen. The fewest are sought by the best means for every number of poses.
+    pub fn method(&self) -> Method {
+        match self {
+            Self::Best { method, .. } => *method,
+            Self::Fewest { .. } => Method::Best,
+        }
+    }
+
+    /// Whether the choice ends with a search that may take as long as it is given.
+    pub fn searches(&self) -> bool {
+        match self {
+            Self::Best { method, .. } => *method == Method::Exact,
+            Self::Fewest { .. } => true,
+        }
+    }
+}
+
+impl fmt::Display for Goal {
+    /// What is optimised: `v`, or `0.8 v + 0.2 diversity`, or `accuracy`.
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Best { criteria, .. } => f.write_str(&Criterion::describe(criteria)),
+            Self::Fewest { .. } => f.write_str(Self::ACCURACY),
+        }
+    }
+}
