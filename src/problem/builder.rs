@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::schema::{self, Named, NumberOrList, Numbers, RangeOrSets, TextOrTable};
-use super::{Goal, OverrideError, Overrides, Problem, ProblemError};
+use super::{Method, OverrideError, Overrides, Problem, ProblemError};
 use crate::camera::Camera;
 use crate::information::Criterion;
 use crate::robot::JointKind;
@@ -16,6 +16,7 @@ use crate::target::Board;
 ///
 /// ```
 /// use calipose::camera::{Camera, Lens};
+/// use calipose::information::Criterion;
 /// use calipose::plan::choose::Chooser;
 /// use calipose::plan::survey::survey;
 /// use calipose::problem::Problem;
@@ -27,6 +28,7 @@ use crate::target::Board;
 ///     .camera(&Camera::new(Lens::Pinhole, 1280, 720, &[900.0, 900.0, 640.0, 360.0])?)
 ///     .board(Board { columns: 9, rows: 6, square: 0.025 }, Pose::translation(0.5, 0.0, 0.0))
 ///     .sample(20_000)
+///     .best(8, &[(Criterion::V, 1.0)])
 ///     .build()?;
 /// let survey = survey(&problem, &|_| {})?;
 /// let (choice, certificate) = Chooser::new(&problem, &survey)?.best(8, 0)?;
@@ -158,27 +160,32 @@ impl ProblemBuilder {
         self
     }
 
-    /// What to choose; the best ten poses by `v` when left out. An accuracy's intrinsic counts among those estimated.
+    /// Asks for the best `count` poses by the weighted geometric mean of these criteria; for ten by `v` when left out.
     #[must_use]
-    pub fn goal(mut self, goal: &Goal) -> Self {
-        let share = |&(criterion, share): &(Criterion, f64)| (criterion.name().to_owned(), share);
+    pub fn best(mut self, count: usize, criteria: &[(Criterion, f64)]) -> Self {
+        let shares = criteria.iter().map(|&(criterion, share)| (criterion.name().to_owned(), share)).collect();
         let selection = &mut self.file.selection;
-        match goal {
-            Goal::Best { criteria, count, method } => {
-                selection.criterion = Some(TextOrTable::Table(criteria.iter().map(share).collect()));
-                (selection.count, selection.method) = (Some(*count as u64), Some(Named(*method)));
-                selection.accuracy = None;
-            }
-            Goal::Fewest { accuracies } => {
-                (selection.criterion, selection.count, selection.method) = (None, None, None);
-                let lens =
-                    self.file.camera.distortion.as_ref().map_or(crate::camera::Lens::Pinhole, |lens| lens.model.0);
-                let all = lens.parameter_names().iter().map(|&name| name.to_owned());
-                let estimated: Vec<String> = self.file.estimate.intrinsics.clone().unwrap_or_else(|| all.collect());
-                selection.accuracy =
-                    Some(accuracies.iter().map(|(accuracy, sigma)| (accuracy.name(&estimated), *sigma)).collect());
-            }
-        }
+        (selection.count, selection.criterion) = (Some(count as u64), Some(TextOrTable::Table(shares)));
+        selection.accuracy = None;
+        self
+    }
+
+    /// How to choose the best poses; [`Method::Best`] when left out.
+    #[must_use]
+    pub fn method(mut self, method: Method) -> Self {
+        self.file.selection.method = Some(Named(method));
+        self
+    }
+
+    /// Asks for the fewest poses that reach these accuracies, as standard deviations: of [`Accuracy::MAP_ERROR`] and of estimated
+    /// intrinsics by their names.
+    ///
+    /// [`Accuracy::MAP_ERROR`]: super::Accuracy::MAP_ERROR
+    #[must_use]
+    pub fn fewest(mut self, accuracies: &[(&str, f64)]) -> Self {
+        let selection = &mut self.file.selection;
+        (selection.criterion, selection.count, selection.method) = (None, None, None);
+        selection.accuracy = Some(accuracies.iter().map(|&(name, sigma)| (name.to_owned(), sigma)).collect());
         self
     }
 
@@ -228,6 +235,7 @@ fn pose(X: &Pose) -> schema::Pose {
 mod tests {
     use super::*;
     use crate::camera::Lens;
+    use crate::problem::{Accuracy, Goal};
     use crate::robot::Limits;
 
     fn row(name: &str, a: f64) -> Row {
@@ -262,9 +270,11 @@ mod tests {
         // The file that it writes states the same.
         let text = builder().to_toml();
         assert_eq!(Problem::parse(&text, Path::new("two joints")).unwrap(), problem);
-        let goal = Goal::Fewest { accuracies: vec![(crate::problem::Accuracy::Intrinsic(1), 2.0)] };
-        let fewest = builder().estimate(&["cx", "fx"]).goal(&goal).build();
-        assert_eq!(fewest.unwrap().selection.goal, goal);
+        let fewest = builder().estimate(&["cx", "fx"]).fewest(&[("fx", 2.0)]).build().unwrap();
+        assert_eq!(fewest.selection.goal.accuracies(), [(Accuracy::Intrinsic(0), 2.0)]);
+        let exact = builder().best(12, &[(Criterion::D, 1.0)]).method(Method::Exact).build().unwrap();
+        let criteria = vec![(Criterion::D, 1.0)];
+        assert_eq!(exact.selection.goal, Goal::Best { criteria, count: 12, method: Method::Exact });
     }
 
     #[test]
@@ -281,6 +291,7 @@ mod tests {
         let reversed = Row { limits: Limits { min: 1.0, max: -1.0 }, ..row("back", 0.0) };
         assert_eq!(faults(builder().joint(reversed)), ["robot.joints[2].limits_deg"]);
         assert_eq!(faults(builder().set("camera.fx_px=0").unwrap()), ["camera.fx_px"]);
+        assert_eq!(faults(builder().fewest(&[("fz", 1.0)])), ["selection.accuracy.fz"]);
         let nothing = faults(Problem::builder(""));
         for key in ["name", "robot.joints", "camera.width_px", "camera.fx_px", "target.columns", "target.square_mm"] {
             assert!(nothing.iter().any(|found| found == key), "{key}: {nothing:?}");

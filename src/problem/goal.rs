@@ -53,16 +53,6 @@ pub enum Accuracy {
 impl Accuracy {
     /// What the map error is called where intrinsics have their names.
     pub const MAP_ERROR: &'static str = "map_error_px";
-
-    /// Its name, with those of the `estimated` intrinsics.
-    pub fn name(self, estimated: &[impl AsRef<str>]) -> String {
-        match self {
-            Self::MapError => Self::MAP_ERROR.into(),
-            Self::Intrinsic(j) => {
-                estimated.get(j).map_or_else(|| format!("intrinsic {j}"), |name| name.as_ref().into())
-            }
-        }
-    }
 }
 
 impl Goal {
