@@ -2,7 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use super::chooser::{Choice, Chooser, PlanError};
+use super::choice::Choice;
+use super::chooser::Chooser;
+use super::error::PlanError;
 use crate::problem::{Goal, Method, Problem, SelectionSettings};
 use crate::selection::{Certificate, Refutation, SearchEnd, SearchProgress};
 
@@ -89,7 +91,6 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::plan::choose::PlanError;
     use crate::plan::survey::survey;
 
     #[test]
