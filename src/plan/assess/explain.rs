@@ -203,7 +203,7 @@ mod tests {
 
     use super::*;
     use crate::information::Criterion;
-    use crate::plan::choose::make;
+    use crate::plan::choose::decide;
     use crate::plan::document::Plan;
     use crate::plan::survey::{Survey, survey};
     use crate::problem::{Accuracy, Goal, Method, Overrides};
@@ -215,14 +215,14 @@ mod tests {
 
     fn planned<'a>(problem: &'a Problem, survey: &'a Survey) -> (Chooser<'a>, Choice) {
         let chooser = Chooser::new(problem, survey).unwrap();
-        let (made, chooser) = make(problem, chooser, &mut |_| ControlFlow::Continue(())).unwrap();
-        let plan = Plan::new(problem, &chooser, &made).unwrap();
+        let (decision, chooser) = decide(problem, chooser, &mut |_| ControlFlow::Continue(())).unwrap();
+        let plan = Plan::new(problem, &chooser, &decision).unwrap();
         let read = Plan::from_json(&plan.to_json()).unwrap();
-        let (recalled, selected) = read.recall(problem, survey).unwrap();
-        assert_eq!(recalled.criterion(), chooser.criterion());
-        assert_eq!(selected, made.choice.selected);
-        assert_eq!(recalled.assess(selected), made.choice);
-        (recalled, made.choice)
+        let (located, selected) = read.locate(problem, survey).unwrap();
+        assert_eq!(located.criterion(), chooser.criterion());
+        assert_eq!(selected, decision.choice.selected);
+        assert_eq!(located.assess(selected), decision.choice);
+        (located, decision.choice)
     }
 
     fn best_ten(criteria: &[(Criterion, f64)]) -> Goal {

@@ -13,6 +13,6 @@ pub use choice::{Choice, Reached};
 pub use chooser::Chooser;
 pub use constraints::ConstraintError;
 pub(crate) use constraints::{allows, captured, known};
-pub use decide::{FewestProof, Made, SearchSummary, make};
+pub use decide::{Decision, FewestProof, SearchSummary, decide};
 pub use error::PlanError;
 pub(crate) use objective::{ACCURACY, Objective, TermDefinition};
