@@ -89,13 +89,12 @@ impl Plan {
         if self.joints != joints {
             return Err(LocateError::Joints { stated: self.joints.clone(), found: joints });
         }
-        let names = problem.estimated_names();
+        let names = problem.unknowns().names();
         if self.intrinsics.names != names {
             let found = names.into_iter().map(String::from).collect();
             return Err(LocateError::Intrinsics { stated: self.intrinsics.names.clone(), found });
         }
-        let nominal = problem.estimated.iter().map(|&i| problem.camera.intrinsics()[i]);
-        if !nominal.eq(self.intrinsics.nominal.iter().copied()) {
+        if self.intrinsics.nominal != problem.unknowns().values() {
             return Err(LocateError::Camera);
         }
         // The command line may ask for one criterion, but several are the file's.

@@ -189,7 +189,7 @@ impl<'a> Chooser<'a> {
 
     /// The accuracies that the problem wishes for, in its order, and what a choice reaches.
     pub(crate) fn reached(&self, choice: &Choice) -> Vec<Reached> {
-        let names = self.problem.estimated_names();
+        let names = self.problem.unknowns().names();
         let reached = |&(accuracy, wished): &(Accuracy, f64)| match accuracy {
             Accuracy::MapError => Reached { name: "map_error_px".into(), wished, reached: choice.map_error },
             Accuracy::Intrinsic(j) => {

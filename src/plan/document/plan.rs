@@ -220,7 +220,7 @@ impl Plan {
         let settings = &problem.selection;
         let survey = chooser.survey();
         let choice = &decision.choice;
-        let names = problem.estimated_names();
+        let names = problem.unknowns().names();
         let shares = chooser.shares(&choice.selected)?;
         let poses = choice.selected.iter().zip(shares);
         let document = |certificate| CertificateDocument::new(chooser.objective(), certificate);
@@ -246,7 +246,7 @@ impl Plan {
             collision: Some(CollisionDocument::new(problem, &survey.links)),
             intrinsics: Intrinsics {
                 names: names.iter().map(|&name| name.into()).collect(),
-                nominal: problem.estimated.iter().map(|&i| problem.camera.intrinsics()[i]).collect(),
+                nominal: problem.unknowns().values(),
                 sigma: choice.sigma.clone(),
             },
             map_error_px: choice.map_error,
