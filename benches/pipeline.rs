@@ -7,7 +7,6 @@ use std::path::Path;
 use std::time::Duration;
 
 use calipose::feasibility::Occlusion;
-use calipose::information::Measurement;
 use calipose::plan::survey::survey;
 use calipose::problem::{Overrides, Problem};
 use calipose::selection::InformationSet;
@@ -83,10 +82,8 @@ fn feasibility(bench: &mut Bench) {
 fn information(bench: &mut Bench) {
     let problem = servosila();
     let survey = survey(&problem, &|_| {}).expect("the shipped problem has views");
-    let corners: Vec<_> = problem.target.board.corners().collect();
     let views: Vec<_> = survey.views.iter().map(|view| (&view.X_CT, &view.seen)).collect();
-    let measurement =
-        Measurement { camera: &problem.camera, corners: &corners, noise: problem.noise, estimated: &problem.estimated };
+    let measurement = problem.measurement();
     let mut group = bench.benchmark_group("information");
     group.throughput(Throughput::Elements(views.len() as u64));
     group.bench_function("servosila", |b| b.iter(|| measurement.information_set(black_box(views.clone()))));

@@ -152,7 +152,7 @@ fn a_problem_file_says_board_lens_and_what_to_estimate() {
     let loaded = calipose::problem::Problem::parse(&problem, Path::new("arm.toml")).unwrap();
     assert_eq!((loaded.camera.width(), loaded.camera.height(), loaded.target.board.rows), (1280, 720, 6));
     let found = calibrated(folder.path(), &["corners.vnl", "--problem", "arm.toml"]);
-    assert_eq!(found["estimated"], json!(loaded.estimated_names()));
+    assert_eq!(found["estimated"], json!(loaded.unknowns().names()));
     let both = calibrate(folder.path(), &["corners.vnl", "--problem", "arm.toml", "--lens", "none"]);
     assert_eq!(both.status.code(), Some(2));
 }

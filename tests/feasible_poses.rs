@@ -8,7 +8,7 @@ use std::process::Command;
 
 use calipose::feasibility::{Rejection, View, feasible_views};
 use calipose::plan::assess::verify;
-use calipose::plan::choose::{Chooser, make};
+use calipose::plan::choose::{Chooser, decide};
 use calipose::plan::document::Plan;
 use calipose::plan::survey::survey;
 use calipose::problem::{Goal, Method, Problem};
@@ -83,10 +83,10 @@ fn plans_have_the_tip_over_margin_of_every_pose() {
     let mut settings = problem.clone();
     settings.selection.goal =
         Goal::Best { criteria: problem.selection.goal.criteria().into(), count: 8, method: Method::Best };
-    let (made, chooser) = make(&settings, chooser, &mut |_| ControlFlow::Continue(())).unwrap();
-    let plan = Plan::new(&problem, &chooser, &made).unwrap();
+    let (decision, chooser) = decide(&settings, chooser, &mut |_| ControlFlow::Continue(())).unwrap();
+    let plan = Plan::new(&problem, &chooser, &decision).unwrap();
     let json: serde_json::Value = serde_json::from_str(&plan.to_json()).unwrap();
-    for (pose, &i) in json["poses"].as_array().unwrap().iter().zip(&made.choice.selected) {
+    for (pose, &i) in json["poses"].as_array().unwrap().iter().zip(&decision.choice.selected) {
         assert_eq!(pose["stability_margin_m"].as_f64(), survey.views[i].stability_margin);
         assert_eq!(pose.get("corners_seen"), None);
     }

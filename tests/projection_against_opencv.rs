@@ -5,7 +5,7 @@
 #![allow(non_snake_case, mixed_script_confusables, clippy::unwrap_used)]
 
 use calipose::camera::{Camera, Lens};
-use calipose::information::Measurement;
+use calipose::information::{Measurement, Unknowns};
 use calipose::selection::packed::unpack;
 use calipose::spatial::{Pose, skew};
 use calipose::target::{Board, Corners};
@@ -113,8 +113,11 @@ fn information_of_a_view() {
     for (number, case) in golden.cases.iter().enumerate() {
         let camera = case.camera();
         let estimated: Vec<usize> = (0..case.intrinsics.len()).collect();
-        let measurement =
-            Measurement { camera: &camera, corners: &corners, noise: golden.sigma_px, estimated: &estimated };
+        let measurement = Measurement {
+            unknowns: Unknowns { camera: &camera, estimated: &estimated },
+            corners: corners.clone(),
+            noise: golden.sigma_px,
+        };
         let M = unpack(&measurement.information(&case.X_CT(), &Corners::All).unwrap(), estimated.len());
         let expected = matrix(&case.information);
         for i in 0..estimated.len() {

@@ -12,7 +12,7 @@ use std::path::Path;
 
 use calipose::information::Criterion;
 use calipose::plan::assess::{BrokenConstraint, CertifyError, Confirmed, certify};
-use calipose::plan::choose::{Chooser, make};
+use calipose::plan::choose::{Chooser, decide};
 use calipose::plan::document::Plan;
 use calipose::plan::survey::{Survey, candidates};
 use calipose::problem::{Goal, JointRegion, Method, PoseGroup, Problem, ProblemError};
@@ -43,8 +43,8 @@ fn stated(file: &str, replacements: &[(&str, &str)], sections: &str) -> Result<P
 
 fn made(problem: &Problem, survey: &Survey) -> Option<Plan> {
     let chooser = Chooser::new(problem, survey).ok()?;
-    let (made, chooser) = make(problem, chooser, &mut |_| ControlFlow::Continue(())).ok()?;
-    let plan = Plan::new(problem, &chooser, &made).unwrap();
+    let (decision, chooser) = decide(problem, chooser, &mut |_| ControlFlow::Continue(())).ok()?;
+    let plan = Plan::new(problem, &chooser, &decision).unwrap();
     // Criteria that are not of the intrinsics may choose poses that leave some of them open.
     plan.map_error_px.is_finite().then(|| Plan::from_json(&plan.to_json()).unwrap())
 }

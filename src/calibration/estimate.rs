@@ -7,6 +7,7 @@ use super::observations::{Corner, Observations};
 use super::refinement::{Convergence, Refined};
 use super::{CalibrationError, CalibrationSettings, Loss, Ties};
 use crate::camera::Camera;
+use crate::information::Unknowns;
 use crate::spatial::Pose;
 
 /// A calibrated camera, the poses of its views, and how well they are known.
@@ -35,6 +36,13 @@ pub struct Calibration {
     pub outliers: Vec<Outlier>,
     /// How the refinement ended.
     pub convergence: Convergence,
+}
+
+impl Calibration {
+    /// The intrinsics that were estimated, of the camera found.
+    pub fn unknowns(&self) -> Unknowns<'_> {
+        Unknowns { camera: &self.camera, estimated: &self.estimated }
+    }
 }
 
 /// A corner that does not fit.

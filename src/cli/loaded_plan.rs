@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::output::Screen;
 use super::output::failure::Failure;
 use crate::formats::read_at_most;
-use crate::plan::assess::RecallError;
+use crate::plan::assess::LocateError;
 use crate::plan::choose::Chooser;
 use crate::plan::document::Plan;
 use crate::plan::results::{Run, check_results, hold_to_read};
@@ -80,9 +80,9 @@ impl Planned {
     }
 
     /// The chooser that made the plan read from `path`, and the plan's poses among the survey's views.
-    pub(crate) fn recall<'a>(&'a self, path: &Path, survey: &'a Survey) -> Result<(Chooser<'a>, Vec<usize>), Failure> {
-        self.plan.recall(&self.problem, survey).map_err(|error| match error {
-            RecallError::Plan(error) => error.into(),
+    pub(crate) fn locate<'a>(&'a self, path: &Path, survey: &'a Survey) -> Result<(Chooser<'a>, Vec<usize>), Failure> {
+        self.plan.locate(&self.problem, survey).map_err(|error| match error {
+            LocateError::Plan(error) => error.into(),
             refused => Failure::PlanFile { path: path.to_owned(), reason: refused.to_string() },
         })
     }

@@ -178,7 +178,7 @@ mod tests {
     /// image, to far below what a report shows where it ends inside.
     #[test]
     fn the_rule_has_converged() {
-        use crate::information::map_error::weight_over;
+        use crate::information::Unknowns;
         let focal = [1000.0, 990.0, 641.0, 362.0];
         let lenses: [(Lens, &[f64], f64); 5] = [
             (Lens::Pinhole, &[], 1e-11),
@@ -191,7 +191,7 @@ mod tests {
         for (lens, coefficients, tolerance) in lenses {
             let camera = camera(lens, &[&focal[..], coefficients].concat());
             let estimated: Vec<usize> = (0..camera.intrinsics().len()).collect();
-            let W = |order| weight_over(&camera, &estimated, &of_order(&camera, order));
+            let W = |order| Unknowns { camera: &camera, estimated: &estimated }.weight_over(&of_order(&camera, order));
             let (coarse, fine) = (W(ORDER), W(2 * ORDER));
             for i in 0..estimated.len() {
                 let ratio = (coarse[(i, i)] / fine[(i, i)]).sqrt();

@@ -2,82 +2,79 @@
 
 use nalgebra::{DMatrix, Vector2};
 
+use super::Unknowns;
 use super::image_area::{AreaNode, image_area};
-use crate::camera::Camera;
 use crate::spatial::skew;
 
-/// The p×p weight W of the map error: `tr(W · cov θ)` is the expected squared error in px², averaged over the image's area,
-/// of the calibrated projection of fixed viewing directions.
-///
-/// With `J(u)` (2×p) the derivative of the projection of the direction seen at image point u with respect to the `estimated`
-/// intrinsics, and `R(u)` (2×3) that with respect to a rotation of the camera: a small rotation is no calibration error,
-/// so what it explains best over the whole image is projected out, `J⊥ = J − R (∫RᵀR du)⁻¹ ∫RᵀJ du`, and
-/// `W = (1/|Ω|) ∫ J⊥ᵀJ⊥ du`. The area Ω is the image, [−½, w−½] × [−½, h−½], as far as the lens reaches.
-pub fn map_error_weight(camera: &Camera, estimated: &[usize]) -> DMatrix<f64> {
-    weight_over(camera, estimated, &image_area(camera))
-}
-
-/// The weight with the integrals as sums over `nodes`.
-pub(super) fn weight_over(camera: &Camera, estimated: &[usize], nodes: &[AreaNode]) -> DMatrix<f64> {
-    let (J, R) = stacked(camera, estimated, nodes);
-    let Q = R.qr().q();
-    let J_perpendicular = &J - &Q * (Q.transpose() * &J);
-    J_perpendicular.transpose() * J_perpendicular
-}
-
-/// The unit of each of the `estimated` intrinsics in which they are alike: the change of it alone that moves the image of
-/// fixed viewing directions by 1 px RMS over the image's area.
-pub fn pixel_units(camera: &Camera, estimated: &[usize]) -> Vec<f64> {
-    let (J, _) = stacked(camera, estimated, &image_area(camera));
-    J.column_iter().map(|column| column.norm().recip()).collect()
-}
-
-/// The map error at each of `pixels`: the expected RMS distance in px by which an error of `covariance` (p×p, of the
-/// `estimated` intrinsics) moves the projection of the direction seen there, or none where the lens does not reach.
-///
-/// The rotation taken out is that of [`map_error_weight`], the best over the whole image; so the mean square over the
-/// image's area is `tr(W · cov θ)`. With `T = (∫RᵀR)⁻¹∫RᵀJ` and `J_x`, `R_x` of the pixel it is the root of
-/// `tr((J_x − R_x T) cov θ (J_x − R_x T)ᵀ)`.
-pub fn map_error_at(
-    camera: &Camera,
-    estimated: &[usize],
-    covariance: &DMatrix<f64>,
-    pixels: &[Vector2<f64>],
-) -> Vec<Option<f64>> {
-    let (J, R) = stacked(camera, estimated, &image_area(camera));
-    let qr = R.qr();
-    let T = qr.r().solve_upper_triangular(&(qr.q().transpose() * J));
-    let error = |pixel: &Vector2<f64>| {
-        let (J_x, R_x) = derivatives(camera, estimated, pixel)?;
-        let moved = J_x - R_x * T.as_ref()?;
-        Some((&moved * covariance * moved.transpose()).trace().sqrt())
-    };
-    pixels.iter().map(error).collect()
-}
-
-/// J (2 rows a node, p columns) and R (2 rows a node, 3 columns), each row by the root of the node's share: sums of products
-/// of the stack's columns are means over the area.
-fn stacked(camera: &Camera, estimated: &[usize], nodes: &[AreaNode]) -> (DMatrix<f64>, DMatrix<f64>) {
-    let (mut J, mut R) = (Vec::new(), Vec::new());
-    for AreaNode { pixel, share } in nodes {
-        let Some((J_u, R_u)) = derivatives(camera, estimated, pixel) else { continue };
-        for r in 0..2 {
-            J.extend(J_u.row(r).iter().map(|entry| entry * share.sqrt()));
-            R.extend(R_u.row(r).iter().map(|entry| entry * share.sqrt()));
-        }
+impl Unknowns<'_> {
+    /// The p×p weight W of the map error: `tr(W · cov θ)` is the expected squared error in px², averaged over the image's area,
+    /// of the calibrated projection of fixed viewing directions.
+    ///
+    /// With `J(u)` (2×p) the derivative of the projection of the direction seen at image point u with respect to the estimated
+    /// intrinsics, and `R(u)` (2×3) that with respect to a rotation of the camera: a small rotation is no calibration error,
+    /// so what it explains best over the whole image is projected out, `J⊥ = J − R (∫RᵀR du)⁻¹ ∫RᵀJ du`, and
+    /// `W = (1/|Ω|) ∫ J⊥ᵀJ⊥ du`. The area Ω is the image, [−½, w−½] × [−½, h−½], as far as the lens reaches.
+    pub fn map_error_weight(&self) -> DMatrix<f64> {
+        self.weight_over(&image_area(self.camera))
     }
-    let rows = R.len() / 3;
-    (DMatrix::from_row_iterator(rows, estimated.len(), J), DMatrix::from_row_iterator(rows, 3, R))
-}
 
-/// Derivatives of the projection of the direction seen at `pixel`: by the `estimated` intrinsics (2×p) and by a rotation
-/// of the camera (2×3).
-fn derivatives(camera: &Camera, estimated: &[usize], pixel: &Vector2<f64>) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
-    let ray = camera.unproject(pixel)?;
-    let projection = camera.project_with_derivatives(&ray.into_inner().into())?;
-    let by_rotation = -projection.by_point * skew(&ray);
-    let by_intrinsics = DMatrix::from_fn(2, estimated.len(), |r, j| projection.by_intrinsics[(r, estimated[j])]);
-    Some((by_intrinsics, DMatrix::from_fn(2, 3, |r, c| by_rotation[(r, c)])))
+    /// The weight with the integrals as sums over `nodes`.
+    pub(super) fn weight_over(&self, nodes: &[AreaNode]) -> DMatrix<f64> {
+        let (J, R) = self.stacked(nodes);
+        let Q = R.qr().q();
+        let J_perpendicular = &J - &Q * (Q.transpose() * &J);
+        J_perpendicular.transpose() * J_perpendicular
+    }
+
+    /// The unit of each in which they are alike: the change of it alone that moves the image of fixed viewing directions by
+    /// 1 px RMS over the image's area.
+    pub fn pixel_units(&self) -> Vec<f64> {
+        let (J, _) = self.stacked(&image_area(self.camera));
+        J.column_iter().map(|column| column.norm().recip()).collect()
+    }
+
+    /// The map error at each of `pixels`: the expected RMS distance in px by which an error of `covariance` (p×p) moves the
+    /// projection of the direction seen there, or none where the lens does not reach.
+    ///
+    /// The rotation taken out is that of [`Unknowns::map_error_weight`], the best over the whole image; so the mean square over
+    /// the image's area is `tr(W · cov θ)`. With `T = (∫RᵀR)⁻¹∫RᵀJ` and `J_x`, `R_x` of the pixel it is the root of
+    /// `tr((J_x − R_x T) cov θ (J_x − R_x T)ᵀ)`.
+    pub fn map_error_at(&self, covariance: &DMatrix<f64>, pixels: &[Vector2<f64>]) -> Vec<Option<f64>> {
+        let (J, R) = self.stacked(&image_area(self.camera));
+        let qr = R.qr();
+        let T = qr.r().solve_upper_triangular(&(qr.q().transpose() * J));
+        let error = |pixel: &Vector2<f64>| {
+            let (J_x, R_x) = self.derivatives(pixel)?;
+            let moved = J_x - R_x * T.as_ref()?;
+            Some((&moved * covariance * moved.transpose()).trace().sqrt())
+        };
+        pixels.iter().map(error).collect()
+    }
+
+    /// J (2 rows a node, p columns) and R (2 rows a node, 3 columns), each row by the root of the node's share: sums of products
+    /// of the stack's columns are means over the area.
+    fn stacked(&self, nodes: &[AreaNode]) -> (DMatrix<f64>, DMatrix<f64>) {
+        let (mut J, mut R) = (Vec::new(), Vec::new());
+        for AreaNode { pixel, share } in nodes {
+            let Some((J_u, R_u)) = self.derivatives(pixel) else { continue };
+            for r in 0..2 {
+                J.extend(J_u.row(r).iter().map(|entry| entry * share.sqrt()));
+                R.extend(R_u.row(r).iter().map(|entry| entry * share.sqrt()));
+            }
+        }
+        let rows = R.len() / 3;
+        (DMatrix::from_row_iterator(rows, self.len(), J), DMatrix::from_row_iterator(rows, 3, R))
+    }
+
+    /// Derivatives of the projection of the direction seen at `pixel`: by the estimated intrinsics (2×p) and by a rotation of
+    /// the camera (2×3).
+    fn derivatives(&self, pixel: &Vector2<f64>) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
+        let ray = self.camera.unproject(pixel)?;
+        let projection = self.camera.project_with_derivatives(&ray.into_inner().into())?;
+        let by_rotation = -projection.by_point * skew(&ray);
+        let by_intrinsics = DMatrix::from_fn(2, self.len(), |r, j| projection.by_intrinsics[(r, self.estimated[j])]);
+        Some((by_intrinsics, DMatrix::from_fn(2, 3, |r, c| by_rotation[(r, c)])))
+    }
 }
 
 #[cfg(test)]
@@ -85,7 +82,7 @@ mod tests {
     use nalgebra::{DVector, Rotation3, Vector3};
 
     use super::*;
-    use crate::camera::Lens;
+    use crate::camera::{Camera, Lens};
 
     fn camera() -> Camera {
         let θ = [1000.0, 990.0, 639.5, 359.5, -0.2, 0.05, 1e-3, -1e-3, 0.01];
@@ -128,7 +125,7 @@ mod tests {
             ω -= Vector3::new(step[0], step[1], step[2]);
         }
         let rms = (residuals(&ω).norm_squared() / cells().count() as f64).sqrt();
-        let W = map_error_weight(&camera, &estimated);
+        let W = Unknowns { camera: &camera, estimated: &estimated }.map_error_weight();
         let predicted = (δ.transpose() * W * &δ)[0].sqrt();
         assert!((predicted / rms - 1.0).abs() < 2e-3, "{predicted} {rms}");
     }
@@ -140,9 +137,10 @@ mod tests {
         let root = DMatrix::from_fn(6, 6, |i, j| if i < 4 { 0.1 } else { 1e-4 } * (1.0 + (i * 7 + j * 3) as f64).sin());
         let covariance = &root * root.transpose();
         let pixels: Vec<_> = cells().collect();
-        let errors = map_error_at(&camera, &estimated, &covariance, &pixels);
+        let unknowns = Unknowns { camera: &camera, estimated: &estimated };
+        let errors = unknowns.map_error_at(&covariance, &pixels);
         let mean = errors.iter().map(|error| error.unwrap().powi(2)).sum::<f64>() / pixels.len() as f64;
-        let expected = (map_error_weight(&camera, &estimated) * covariance).trace();
+        let expected = (unknowns.map_error_weight() * covariance).trace();
         assert!((mean / expected - 1.0).abs() < 2e-3, "{mean} {expected}");
     }
 }

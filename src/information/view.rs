@@ -3,7 +3,8 @@
 use nalgebra::{Matrix2x6, Point3};
 use rayon::prelude::*;
 
-use crate::camera::{Camera, MAX_INTRINSICS};
+use super::Unknowns;
+use crate::camera::MAX_INTRINSICS;
 use crate::selection::InformationSet;
 use crate::selection::packed::packed_len;
 use crate::spatial::{Pose, skew};
@@ -12,14 +13,12 @@ use crate::target::Corners;
 /// What is observed, how well, and what is to be learnt from it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measurement<'a> {
-    /// The nominal camera.
-    pub camera: &'a Camera,
+    /// The nominal camera and the intrinsics to estimate.
+    pub unknowns: Unknowns<'a>,
     /// All corners of the board, in T (m).
-    pub corners: &'a [Point3<f64>],
+    pub corners: Vec<Point3<f64>>,
     /// Standard deviation of a detected corner in px, in each direction.
     pub noise: f64,
-    /// The intrinsics to estimate: indices into the camera's.
-    pub estimated: &'a [usize],
 }
 
 const POSE: usize = 6;
@@ -39,11 +38,11 @@ impl Measurement<'_> {
     }
 
     fn information_of<'c>(&self, X_CT: &Pose, corners: impl Iterator<Item = &'c Point3<f64>>) -> Option<Vec<f64>> {
-        let mut elimination = Elimination::new(self.estimated.len());
+        let mut elimination = Elimination::new(self.unknowns.len());
         for corner in corners {
             // The pose is perturbed about the board's centre (see `spatial::perturb`).
             let arm = X_CT.rotation * corner.coords;
-            let projection = self.camera.project_with_derivatives(&(X_CT * corner))?;
+            let projection = self.unknowns.camera.project_with_derivatives(&(X_CT * corner))?;
             let mut B = Matrix2x6::zeros();
             B.fixed_columns_mut::<3>(0).copy_from(&(-projection.by_point * skew(&arm)));
             B.fixed_columns_mut::<3>(3).copy_from(&projection.by_point);
@@ -52,7 +51,7 @@ impl Measurement<'_> {
                 for j in 0..POSE {
                     row[j] = B[(r, j)];
                 }
-                for (j, &parameter) in self.estimated.iter().enumerate() {
+                for (j, &parameter) in self.unknowns.estimated.iter().enumerate() {
                     row[POSE + j] = projection.by_intrinsics[(r, parameter)];
                 }
                 elimination.add(row);
@@ -73,7 +72,7 @@ impl Measurement<'_> {
     ) -> Option<InformationSet> {
         let rows: Option<Vec<Vec<f64>>> =
             views.into_par_iter().with_min_len(32).map(|(X_CT, seen)| self.information(X_CT, seen)).collect();
-        InformationSet::from_packed_unchecked(self.estimated.len(), rows?.concat()).ok()
+        InformationSet::from_packed_unchecked(self.unknowns.len(), rows?.concat()).ok()
     }
 }
 
@@ -176,7 +175,7 @@ mod tests {
     use nalgebra::{DMatrix, Vector3};
 
     use super::*;
-    use crate::camera::Lens;
+    use crate::camera::{Camera, Lens};
     use crate::selection::packed::unpack;
     use crate::spatial::{Tangent, perturb};
     use crate::target::Board;
@@ -190,7 +189,8 @@ mod tests {
         let corners: Vec<_> = board.corners().collect();
         let X_CT = Pose::new(Vector3::new(0.05, -0.03, 0.6), Vector3::new(2.8, 0.2, -0.3));
         let estimated = [0, 1, 2, 3, 4, 5, 8];
-        let measurement = Measurement { camera: &camera, corners: &corners, noise: 0.3, estimated: &estimated };
+        let unknowns = Unknowns { camera: &camera, estimated: &estimated };
+        let measurement = Measurement { unknowns, corners: corners.clone(), noise: 0.3 };
         let image = |camera: &Camera, X_CT: &Pose| -> Vec<f64> {
             corners.iter().flat_map(|p| camera.project(&(X_CT * p)).unwrap().data.0[0]).collect()
         };
@@ -234,7 +234,8 @@ mod tests {
         let board = Board { columns: 8, rows: 6, square: 0.003 };
         let corners: Vec<_> = board.corners().collect();
         let estimated = [0, 1, 2, 3, 4, 5, 6, 7, 8];
-        let measurement = Measurement { camera: &camera, corners: &corners, noise: 0.3, estimated: &estimated };
+        let unknowns = Unknowns { camera: &camera, estimated: &estimated };
+        let measurement = Measurement { unknowns, corners: corners.clone(), noise: 0.3 };
         let X_CT = Pose::new(Vector3::new(0.001, -0.002, 0.8), Vector3::new(2.7, 0.3, -0.4));
         let mut J = DMatrix::zeros(2 * corners.len(), POSE + 9);
         for (c, corner) in corners.iter().enumerate() {

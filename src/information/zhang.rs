@@ -37,7 +37,7 @@ impl Measurement<'_> {
         // Normal matrix of the homography's nine entries, column by column.
         let mut N = SMatrix::<f64, 9, 9>::zeros();
         for corner in seen.indices(self.corners.len()).into_iter().map(|i| &self.corners[i]) {
-            let by_point = self.camera.project_with_derivatives(&(X_CT * corner))?.by_point;
+            let by_point = self.unknowns.camera.project_with_derivatives(&(X_CT * corner))?.by_point;
             let mut A = SMatrix::<f64, 2, 9>::zeros();
             for (c, factor) in [corner.x, corner.y, 1.0].into_iter().enumerate() {
                 A.fixed_columns_mut::<3>(3 * c).copy_from(&(by_point * factor));
@@ -92,6 +92,7 @@ mod tests {
 
     use super::*;
     use crate::camera::{Camera, Lens};
+    use crate::information::Unknowns;
     use crate::selection::packed::unpack;
 
     /// Homographies of noisy corners, by linearised least squares about the true one; b by weighted least squares with the
@@ -103,7 +104,8 @@ mod tests {
             .map(|i| Point3::new(f64::from(i % 8) * 0.035 - 0.12, f64::from(i / 8) * 0.035 - 0.09, 0.0))
             .collect();
         let noise = 0.2;
-        let measurement = Measurement { camera: &camera, corners: &corners, noise, estimated: &[0, 1, 2, 3] };
+        let unknowns = Unknowns { camera: &camera, estimated: &[0, 1, 2, 3] };
+        let measurement = Measurement { unknowns, corners: corners.clone(), noise };
         let pose = |i: usize| {
             let angle = i as f64 * 1.3;
             let tilt = Vector3::new(0.6 * angle.cos(), 0.6 * angle.sin(), 0.3 * angle);

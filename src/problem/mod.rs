@@ -32,6 +32,7 @@ use sha2::{Digest, Sha256};
 use crate::camera::Camera;
 use crate::feasibility::{Checks, Stability, VisibilityLimits};
 use crate::formats::read_at_most;
+use crate::information::{Measurement, Unknowns};
 use crate::robot::Robot;
 use crate::sweep::{AxisRule, JointSpace};
 use crate::target::Target;
@@ -124,10 +125,14 @@ impl Problem {
         Checks::new(robot, camera, target, visibility, *clearance, stability.as_ref())
     }
 
-    /// Names of the estimated intrinsics.
-    pub fn estimated_names(&self) -> Vec<&'static str> {
-        let names = self.camera.lens().parameter_names();
-        self.estimated.iter().map(|&i| names[i]).collect()
+    /// The intrinsics to estimate, of the nominal camera.
+    pub fn unknowns(&self) -> Unknowns<'_> {
+        Unknowns { camera: &self.camera, estimated: &self.estimated }
+    }
+
+    /// What a view measures.
+    pub fn measurement(&self) -> Measurement<'_> {
+        Measurement { unknowns: self.unknowns(), corners: self.target.board.corners().collect(), noise: self.noise }
     }
 
     /// The problem that the file at `path` states.

@@ -9,7 +9,7 @@ use thiserror::Error;
 use super::chi_square::deviation_interval;
 use super::simulation::{Scene, trial_seed};
 use crate::calibration::{CalibrationError, CalibrationSettings, ObservationError, calibrate};
-use crate::camera::Camera;
+use crate::information::Unknowns;
 use crate::target::Board;
 
 /// Confidence of the intervals.
@@ -18,14 +18,13 @@ const CONFIDENCE: f64 = 0.99;
 /// What is simulated.
 #[derive(Clone, Copy)]
 pub struct Trials<'a> {
-    /// The nominal camera. A calibration learns from it the lens model and the intrinsics that are not estimated.
-    pub camera: &'a Camera,
+    /// The nominal camera and the intrinsics to estimate. A calibration learns from the camera the lens model and the intrinsics
+    /// that are not estimated.
+    pub unknowns: Unknowns<'a>,
     /// The board.
     pub board: &'a Board,
     /// What is really there in a trial, by its number.
     pub scene: &'a (dyn Fn(usize) -> Scene + Sync),
-    /// The intrinsics to estimate, as indices into [`Camera::intrinsics`]; the calibration knows the others.
-    pub estimated: &'a [usize],
     /// How each set is calibrated.
     pub settings: CalibrationSettings,
     /// Number of simulated sets.
@@ -34,7 +33,7 @@ pub struct Trials<'a> {
     pub seed: u64,
 }
 
-/// What was predicted for the plan, p×p in the order of `estimated`.
+/// What was predicted for the plan, p×p in the order of the unknowns.
 #[derive(Debug, Clone, Copy)]
 pub struct Prediction<'a> {
     /// Covariance of the estimated intrinsics.
@@ -135,7 +134,7 @@ pub struct MapError {
 /// What the trials showed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MonteCarlo {
-    /// Each estimated intrinsic, in the order of `estimated`.
+    /// Each estimated intrinsic, in the order of the unknowns.
     pub parameters: Vec<ParameterStatistics>,
     /// Sampled covariance of the estimates, p×p.
     pub covariance: DMatrix<f64>,
@@ -172,7 +171,7 @@ pub fn monte_carlo(
     };
     let outcomes: Vec<_> = (0..trials.count).into_par_iter().map(run).collect();
 
-    let p = trials.estimated.len();
+    let p = trials.unknowns.len();
     let mut failures = Vec::new();
     let mut deviations = Vec::with_capacity(trials.count);
     let mut mean_square = 0.0;
@@ -202,7 +201,7 @@ pub fn monte_carlo(
 /// What is kept of a trial: the estimates less the true values, and the RMS reprojection error. A calibration as a whole is
 /// a hundred times as large.
 fn run_trial(trials: &Trials<'_>, trial: usize) -> Result<(DVector<f64>, f64), TrialFailure> {
-    let Trials { camera, board, scene, estimated, settings, seed, .. } = trials;
+    let Trials { unknowns: Unknowns { camera, estimated }, board, scene, settings, seed, .. } = trials;
     let scene = scene(trial);
     let observations = scene.observe(board, trial_seed(*seed, trial))?;
     let found = calibrate(&observations, camera, estimated, settings)?;
@@ -222,14 +221,14 @@ fn parameters(
     count: usize,
 ) -> Vec<ParameterStatistics> {
     let (low, high) = deviation_interval(count, CONFIDENCE);
-    let names = trials.camera.lens().parameter_names();
-    let statistics = trials.estimated.iter().enumerate().map(|(i, &j)| {
+    let (names, values) = (trials.unknowns.names(), trials.unknowns.values());
+    let statistics = names.into_iter().zip(values).enumerate().map(|(i, (name, nominal))| {
         let sampled_sigma = covariance[(i, i)].sqrt();
         let predicted_sigma = prediction.covariance[(i, i)].sqrt();
         let ratio = sampled_sigma / predicted_sigma;
         ParameterStatistics {
-            name: names[j],
-            nominal: trials.camera.intrinsics()[j],
+            name,
+            nominal,
             bias: bias[i],
             sampled_sigma,
             predicted_sigma,
@@ -256,15 +255,16 @@ fn map_error(deviations: &[DVector<f64>], prediction: &Prediction<'_>) -> MapErr
 }
 
 fn check(trials: &Trials<'_>, prediction: &Prediction<'_>) -> Result<(), MonteCarloError> {
-    let expected = trials.estimated.len();
+    let expected = trials.unknowns.len();
     for (matrix, M) in [("predicted covariance", prediction.covariance), ("map weight", prediction.map_weight)] {
         let (rows, columns) = M.shape();
         if (rows, columns) != (expected, expected) {
             return Err(MonteCarloError::Shape { matrix, rows, columns, expected });
         }
     }
-    let count = trials.camera.intrinsics().len();
-    if let Some(&index) = trials.estimated.iter().find(|&&j| j >= count) {
+    let Unknowns { camera, estimated } = trials.unknowns;
+    let count = camera.intrinsics().len();
+    if let Some(&index) = estimated.iter().find(|&&j| j >= count) {
         return Err(MonteCarloError::Parameter { index, count });
     }
     if let Some(&value) = prediction.covariance.diagonal().iter().find(|&&v| !(v > 0.0 && v.is_finite())) {
@@ -282,7 +282,7 @@ mod tests {
     use super::*;
     use crate::calibration::Start;
     use crate::calibration::refine;
-    use crate::camera::Lens;
+    use crate::camera::{Camera, Lens};
     use crate::target::Corners;
 
     const BOARD: Board = Board { columns: 8, rows: 6, square: 0.035 };
@@ -319,7 +319,7 @@ mod tests {
         let covariance = predicted(&estimated, sigma);
         let map_weight = covariance.clone().cholesky().unwrap().inverse();
         let trials = Trials {
-            camera: &camera,
+            unknowns: Unknowns { camera: &camera, estimated: &estimated },
             board: &BOARD,
             scene: &|_| Scene {
                 camera: camera.clone(),
@@ -328,7 +328,6 @@ mod tests {
                 sigma: vec![sigma; poses.len()],
                 missing: 0.0,
             },
-            estimated: &estimated,
             settings: CalibrationSettings::default(),
             count: 400,
             seed: 5,
@@ -364,7 +363,7 @@ mod tests {
         let poses = [0.5, 0.6, 0.7].map(|z| Pose::translation(0.0, 0.0, z) * frontal);
         let one = DMatrix::identity(4, 4);
         let trials = Trials {
-            camera: &camera,
+            unknowns: Unknowns { camera: &camera, estimated: &estimated },
             board: &BOARD,
             scene: &|_| Scene {
                 camera: camera.clone(),
@@ -373,7 +372,6 @@ mod tests {
                 sigma: vec![0.3; poses.len()],
                 missing: 0.0,
             },
-            estimated: &estimated,
             settings: CalibrationSettings::default(),
             count: 20,
             seed: 1,

@@ -115,7 +115,7 @@ pub(crate) fn run(arguments: &CompareArguments, screen: &mut Screen) -> Result<(
 
 /// Those of fx, fy, cx and cy that are estimated: place in the choice's list, and name.
 fn principal(problem: &Problem) -> Vec<(usize, &'static str)> {
-    problem.estimated_names().into_iter().enumerate().filter(|(i, _)| problem.estimated[*i] < 4).collect()
+    problem.unknowns().names().into_iter().enumerate().filter(|(i, _)| problem.estimated[*i] < 4).collect()
 }
 
 /// Simulated calibrations of a choice; `None` if none were asked for or nothing is predicted for it.
@@ -159,7 +159,7 @@ fn document(
     measured: &[Option<MonteCarlo>],
     equivalents: &[(usize, Equivalent)],
 ) -> Value {
-    let names = problem.estimated_names();
+    let names = problem.unknowns().names();
     let row = |(row, measured): (&Row, &Option<MonteCarlo>)| {
         let sigma: serde_json::Map<String, Value> =
             names.iter().zip(&row.choice.sigma).map(|(name, sigma)| ((*name).to_owned(), json!(sigma))).collect();

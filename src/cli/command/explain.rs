@@ -42,7 +42,7 @@ pub(crate) fn run(arguments: &ExplainArguments, screen: &mut Screen) -> Result<(
     }
     let planned = Planned::read(&arguments.plan, arguments.problem.as_deref())?;
     let survey = planned.survey(screen)?;
-    let (chooser, selected) = planned.recall(&arguments.plan, &survey)?;
+    let (chooser, selected) = planned.locate(&arguments.plan, &survey)?;
     let most = arguments.most.unwrap_or(2 * selected.len()).min(survey.views.len());
     let settings = ExplainSettings { most, spares: arguments.spares };
     let bar = screen.progress("explaining", most);

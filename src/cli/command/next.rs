@@ -93,7 +93,7 @@ pub(crate) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<Verd
     bar.finish_and_clear();
     let proposal = proposed?;
 
-    let names = problem.estimated_names();
+    let names = problem.unknowns().names();
     let θ: Vec<f64> = problem.estimated.iter().map(|&i| calibration.camera.intrinsics()[i]).collect();
     let σ: Vec<f64> = calibration.covariance.diagonal().iter().map(|variance| variance.sqrt()).collect();
     let repeats: Vec<Option<&str>> = proposal

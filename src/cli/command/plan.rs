@@ -16,7 +16,7 @@ use crate::cli::output::{Screen, fixed, grouped, joint_columns, short, table};
 use crate::cli::searching::searching;
 use crate::cli::{TableFormat, trials};
 use crate::plan::assess::{compare, verify};
-use crate::plan::choose::{Chooser, make};
+use crate::plan::choose::{Chooser, decide};
 use crate::plan::document::{Plan, PlannedPose, candidates_csv, candidates_parquet};
 use crate::plan::results::{PLAN_FILE, RUN_FILE, Run, RunSeconds, add_results, owner, probe, write_results};
 use crate::plan::survey::{Survey, candidates};
@@ -66,9 +66,9 @@ pub(crate) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<Verd
     let survey_time = start.elapsed();
 
     let chooser = Chooser::new(&problem, &survey)?;
-    let made = searching(screen, &problem, |observe| make(&problem, chooser, observe));
-    let (made, chooser) = made?;
-    let plan = Plan::new(&problem, &chooser, &made)?;
+    let decision = searching(screen, &problem, |observe| decide(&problem, chooser, observe));
+    let (decision, chooser) = decision?;
+    let plan = Plan::new(&problem, &chooser, &decision)?;
 
     // The plan is safe before its simulated calibrations, which may take long, are looked at.
     let seconds = RunSeconds {

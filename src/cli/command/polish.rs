@@ -37,7 +37,7 @@ pub(crate) fn run(arguments: &PolishArguments, screen: &mut Screen) -> Result<()
     let folder = arguments.plan.parent().unwrap_or(Path::new(""));
     probe(folder)?;
     let survey = planned.survey(screen)?;
-    let (chooser, selected) = planned.recall(&arguments.plan, &survey)?;
+    let (chooser, selected) = planned.locate(&arguments.plan, &survey)?;
     let settings = PolishSettings { cycles: arguments.cycles, ..PolishSettings::default() };
     let bar = screen.spinner("polishing");
     let polished = polish(&planned.problem, &chooser, &selected, &settings, &mut |log_value| {

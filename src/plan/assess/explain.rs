@@ -2,7 +2,6 @@
 
 use rayon::prelude::*;
 
-use crate::information::pixel_units;
 use crate::plan::choose::{Choice, Chooser, PlanError};
 use crate::plan::document::{
     CombinationTerm, CurvePoint, EXPLANATION_FORMAT, EXPLANATION_VERSION, Explanation, LeastKnown, PoseExplanation,
@@ -113,7 +112,7 @@ fn poses(
 ) -> Result<Vec<PoseExplanation>, PlanError> {
     let instance = chooser.instance(plan.selected.len())?;
     let views = &chooser.survey().views;
-    let names = problem.estimated_names();
+    let names = problem.unknowns().names();
     let in_degrees = |i: usize| joints_deg(&problem.robot.chain, &views[i].q);
     let loss = |log_value: f64| -(log_value - plan.log_value).exp_m1();
     let replaced = |leaving: usize, incoming: Option<usize>| {
@@ -158,13 +157,13 @@ fn poses(
     Ok(plan.selected.par_iter().zip(found).map(explain_pose).collect())
 }
 
-/// The eigenvector of the covariance's greatest eigenvalue, with the intrinsics in [`pixel_units`]. It is found as that of
+/// The eigenvector of the covariance's greatest eigenvalue, with the intrinsics in their pixel units. It is found as that of
 /// the information's least, which exists for a singular plan too.
 fn least_known(problem: &Problem, chooser: &Chooser, plan: &Choice) -> LeastKnown {
     let survey = chooser.survey();
     let M = chooser.information(&plan.selected);
     // An intrinsic that does not move the image has no such unit.
-    let units = pixel_units(&problem.camera, &problem.estimated);
+    let units = problem.unknowns().pixel_units();
     let unit = |j: usize| if units[j].is_finite() { units[j] } else { 0.0 };
     let scaled = nalgebra::DMatrix::from_fn(M.nrows(), M.ncols(), |i, j| M[(i, j)] * unit(i) * unit(j));
     let eigen = scaled.symmetric_eigen();
@@ -172,7 +171,7 @@ fn least_known(problem: &Problem, chooser: &Chooser, plan: &Choice) -> LeastKnow
     if c[c.iamax()] < 0.0 {
         c.neg_mut();
     }
-    let names = problem.estimated_names().into_iter().map(String::from);
+    let names = problem.unknowns().names().into_iter().map(String::from);
     let combination = terms(names.zip(c.iter().copied()));
     let Some(covariance) = inverse(&M) else {
         return LeastKnown { combination, sigma: None, moves_image_px: None };
@@ -203,7 +202,7 @@ mod tests {
 
     use super::*;
     use crate::information::Criterion;
-    use crate::plan::choose::make;
+    use crate::plan::choose::decide;
     use crate::plan::document::Plan;
     use crate::plan::survey::{Survey, survey};
     use crate::problem::{Accuracy, Goal, Method, Overrides};
@@ -215,14 +214,14 @@ mod tests {
 
     fn planned<'a>(problem: &'a Problem, survey: &'a Survey) -> (Chooser<'a>, Choice) {
         let chooser = Chooser::new(problem, survey).unwrap();
-        let (made, chooser) = make(problem, chooser, &mut |_| ControlFlow::Continue(())).unwrap();
-        let plan = Plan::new(problem, &chooser, &made).unwrap();
+        let (decision, chooser) = decide(problem, chooser, &mut |_| ControlFlow::Continue(())).unwrap();
+        let plan = Plan::new(problem, &chooser, &decision).unwrap();
         let read = Plan::from_json(&plan.to_json()).unwrap();
-        let (recalled, selected) = read.recall(problem, survey).unwrap();
-        assert_eq!(recalled.criterion(), chooser.criterion());
-        assert_eq!(selected, made.choice.selected);
-        assert_eq!(recalled.assess(selected), made.choice);
-        (recalled, made.choice)
+        let (located, selected) = read.locate(problem, survey).unwrap();
+        assert_eq!(located.criterion(), chooser.criterion());
+        assert_eq!(selected, decision.choice.selected);
+        assert_eq!(located.assess(selected), decision.choice);
+        (located, decision.choice)
     }
 
     fn best_ten(criteria: &[(Criterion, f64)]) -> Goal {
@@ -336,7 +335,7 @@ mod tests {
         let settings = ExplainSettings { most: 1, spares: 0 };
         let least = explain(&problem, &chooser, &plan.selected, &settings, &|_| {}).unwrap().least_known;
         let C = chooser.information(&plan.selected).try_inverse().unwrap();
-        let units = pixel_units(&problem.camera, &problem.estimated);
+        let units = problem.unknowns().pixel_units();
         let scaled = DMatrix::from_fn(9, 9, |i, j| C[(i, j)] / (units[i] * units[j]));
         let c = nalgebra::DVector::from_iterator(9, least.combination.iter().map(|term| term.coefficient));
         assert!((c.norm() - 1.0).abs() < 1e-9);

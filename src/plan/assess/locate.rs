@@ -13,7 +13,7 @@ use crate::problem::Problem;
 
 /// Why a plan does not fit the survey.
 #[derive(Debug, Error)]
-pub enum RecallError {
+pub enum LocateError {
     /// A pose is no view.
     #[error("its pose {id} is not among the {} configurations that see the board", grouped(*views))]
     NotAView {
@@ -83,20 +83,19 @@ impl Plan {
     ///
     /// # Errors
     /// When it is not.
-    pub fn fit(&self, problem: &Problem) -> Result<(), RecallError> {
+    pub fn fit(&self, problem: &Problem) -> Result<(), LocateError> {
         let chain = &problem.robot.chain;
         let joints: Vec<String> = chain.joints.iter().map(|joint| joint.name.clone()).collect();
         if self.joints != joints {
-            return Err(RecallError::Joints { stated: self.joints.clone(), found: joints });
+            return Err(LocateError::Joints { stated: self.joints.clone(), found: joints });
         }
-        let names = problem.estimated_names();
+        let names = problem.unknowns().names();
         if self.intrinsics.names != names {
             let found = names.into_iter().map(String::from).collect();
-            return Err(RecallError::Intrinsics { stated: self.intrinsics.names.clone(), found });
+            return Err(LocateError::Intrinsics { stated: self.intrinsics.names.clone(), found });
         }
-        let nominal = problem.estimated.iter().map(|&i| problem.camera.intrinsics()[i]);
-        if !nominal.eq(self.intrinsics.nominal.iter().copied()) {
-            return Err(RecallError::Camera);
+        if self.intrinsics.nominal != problem.unknowns().values() {
+            return Err(LocateError::Camera);
         }
         // The command line may ask for one criterion, but several are the file's.
         let asked = problem.selection.goal.criteria();
@@ -107,14 +106,14 @@ impl Plan {
             criteria.len() == 1 || criteria.len() == asked.len() && criteria.iter().zip(asked.iter()).all(is_asked)
         };
         if self.criteria().is_some_and(|criteria| !is_files(&criteria)) {
-            return Err(RecallError::Criterion { criterion: self.criterion.clone() });
+            return Err(LocateError::Criterion { criterion: self.criterion.clone() });
         }
         let dof = chain.dof();
         if self.poses.is_empty() || self.poses.iter().any(|pose| pose.joints_rad.len() != dof) {
-            return Err(RecallError::JointValues { dof });
+            return Err(LocateError::JointValues { dof });
         }
         match self.poses.iter().find(|pose| !pose.is_there(problem)) {
-            Some(pose) => Err(RecallError::Elsewhere { id: pose.id }),
+            Some(pose) => Err(LocateError::Elsewhere { id: pose.id }),
             None => Ok(()),
         }
     }
@@ -124,18 +123,18 @@ impl Plan {
     ///
     /// # Errors
     /// When a pose is no view of the survey, or the criteria are not known.
-    pub fn recall<'a>(
+    pub fn locate<'a>(
         &self,
         problem: &'a Problem,
         survey: &'a Survey,
-    ) -> Result<(Chooser<'a>, Vec<usize>), RecallError> {
+    ) -> Result<(Chooser<'a>, Vec<usize>), LocateError> {
         let chooser = Chooser::new(problem, survey)?;
         let chooser = match self.criteria() {
             Some(criteria) => chooser.by(&criteria)?,
             None if self.criterion == ACCURACY && !problem.selection.goal.accuracies().is_empty() => {
                 chooser.by_accuracies()
             }
-            None => return Err(RecallError::Criterion { criterion: self.criterion.clone() }),
+            None => return Err(LocateError::Criterion { criterion: self.criterion.clone() }),
         };
         Ok((chooser, self.places(survey)?))
     }
@@ -153,20 +152,20 @@ impl Plan {
     }
 
     /// The poses' places among the survey's views, whose joint values must be theirs.
-    fn places(&self, survey: &Survey) -> Result<Vec<usize>, RecallError> {
+    fn places(&self, survey: &Survey) -> Result<Vec<usize>, LocateError> {
         let views = &survey.views;
         let mut places = Vec::with_capacity(self.poses.len());
         for pose in &self.poses {
             let id = pose.id;
             let place = views.binary_search_by_key(&id, |view| view.id);
-            let place = place.map_err(|_| RecallError::NotAView { id, views: views.len() })?;
+            let place = place.map_err(|_| LocateError::NotAView { id, views: views.len() })?;
             let q = &views[place].q;
             let same = pose.joints_rad.iter().zip(q).all(|(a, b)| (a - b).abs() <= 1e-12);
             if pose.joints_rad.len() != q.len() || !same {
-                return Err(RecallError::Moved { id });
+                return Err(LocateError::Moved { id });
             }
             if places.contains(&place) {
-                return Err(RecallError::Twice { id });
+                return Err(LocateError::Twice { id });
             }
             places.push(place);
         }

@@ -14,7 +14,7 @@ mod verify;
 pub use certify::{BrokenConstraint, CertifyError, Confirmed, Unchecked, certify};
 pub use compare::{Comparison, Equivalent, Row, compare, equivalent_kmeans};
 pub use explain::{ExplainSettings, explain};
-pub use locate::RecallError;
+pub use locate::LocateError;
 pub use next::{Proposal, Wish, next};
 pub use polish::{PolishSettings, Polished, polish};
 pub use reach::reach_starts;

@@ -7,7 +7,7 @@
 
 use argmin::core::{CostFunction, Executor};
 use argmin::solver::neldermead::NelderMead;
-use nalgebra::{DVector, Point3};
+use nalgebra::DVector;
 
 use crate::feasibility::{Checks, View};
 use crate::information::Measurement;
@@ -86,11 +86,10 @@ pub fn polish(
 ) -> Result<Polished, PlanError> {
     let grid = chooser.assess(selected.to_vec());
     chooser.require_observable(&grid)?;
-    let corners: Vec<Point3<f64>> = problem.target.board.corners().collect();
     let objective = chooser.objective();
     let instance = chooser.instance(grid.selected.len())?;
     let checks = problem.checks();
-    let setting = Setting { problem, objective, corners: &corners, checks: &checks };
+    let setting = Setting { problem, objective, measurement: problem.measurement(), checks: &checks };
     let start = grid.selected.iter().map(|&i| chooser.survey().views[i].clone());
     let board = &problem.target.board;
     let undetermined = SurveyError::PoseUndetermined { columns: board.columns, rows: board.rows };
@@ -122,11 +121,11 @@ pub fn polish(
         current = best.clone();
     }
     drop(instance);
-    let measurement = setting.measurement();
     let p = problem.estimated.len();
     let mut M = chooser.information(&[]);
     for view in &best.views {
-        let information = measurement.information(&view.X_CT, &view.seen).ok_or_else(|| undetermined.clone())?;
+        let information =
+            setting.measurement.information(&view.X_CT, &view.seen).ok_or_else(|| undetermined.clone())?;
         M += crate::selection::packed::unpack(&information, p);
     }
     let (sigma, map_error) = chooser.accuracy(&M);
@@ -146,16 +145,11 @@ pub fn polish(
 struct Setting<'a> {
     problem: &'a Problem,
     objective: &'a Objective<'a>,
-    corners: &'a [Point3<f64>],
+    measurement: Measurement<'a>,
     checks: &'a Checks<'a>,
 }
 
 impl Setting<'_> {
-    fn measurement(&self) -> Measurement<'_> {
-        let Problem { camera, noise, estimated, .. } = self.problem;
-        Measurement { camera, corners: self.corners, noise: *noise, estimated }
-    }
-
     /// The view from joint values, moved into the limits, and its matrices; `None` if it is no view or not allowed.
     fn look(&self, id: usize, q: &DVector<f64>, others: &[&View]) -> Option<(View, Vec<f64>)> {
         let joints = q.iter().zip(&self.problem.robot.chain.joints);
@@ -164,7 +158,7 @@ impl Setting<'_> {
         if !allows(self.problem, others, &view) {
             return None;
         }
-        let information = self.objective.information(&self.measurement(), &view)?;
+        let information = self.objective.information(&self.measurement, &view)?;
         Some((view, information))
     }
 
@@ -189,8 +183,7 @@ struct Poses {
 
 impl Poses {
     fn new(setting: &Setting, views: Vec<View>) -> Option<Self> {
-        let measurement = setting.measurement();
-        let information = views.iter().map(|view| setting.objective.information(&measurement, view));
+        let information = views.iter().map(|view| setting.objective.information(&setting.measurement, view));
         let information = information.collect::<Option<_>>()?;
         Some(Self { views, information })
     }
@@ -354,9 +347,7 @@ mod tests {
         assert!(told.is_sorted() && told.last() == Some(&found.log_value));
         // On so coarse a grid there is much to gain.
         assert!(found.log_value > grid.log_value + 0.05, "{} {}", found.log_value, grid.log_value);
-        let corners: Vec<Point3<f64>> = problem.target.board.corners().collect();
-        let (camera, estimated) = (&problem.camera, &problem.estimated);
-        let measurement = Measurement { camera, corners: &corners, noise: problem.noise, estimated };
+        let measurement = problem.measurement();
         let M = found.views.iter().fold(DMatrix::zeros(9, 9), |M, view| {
             M + unpack(&measurement.information(&view.X_CT, &view.seen).unwrap(), 9)
         });
@@ -388,10 +379,13 @@ mod tests {
         let choosers = criteria.iter().map(|criteria| chooser.by(criteria).unwrap()).chain([chooser.by_accuracies()]);
         for chooser in choosers {
             let grid = chooser.choose(Method::Greedy, 8, 0).unwrap();
-            let corners: Vec<Point3<f64>> = problem.target.board.corners().collect();
             let checks = problem.checks();
-            let setting =
-                Setting { problem: &problem, objective: chooser.objective(), corners: &corners, checks: &checks };
+            let setting = Setting {
+                problem: &problem,
+                objective: chooser.objective(),
+                measurement: problem.measurement(),
+                checks: &checks,
+            };
             let poses = Poses::new(&setting, grid.selected.iter().map(|&i| survey.views[i].clone()).collect()).unwrap();
             let instance = chooser.instance(8).unwrap();
             assert_eq!(poses.total(&instance), instance.total(&grid.selected), "{}", chooser.criterion());

@@ -4,7 +4,6 @@ use nalgebra::DMatrix;
 use thiserror::Error;
 
 use crate::calibration::CalibrationSettings;
-use crate::information::{Measurement, map_error_weight};
 use crate::problem::Problem;
 use crate::selection::packed::{inverse, unpack};
 use crate::spatial::Pose;
@@ -45,10 +44,10 @@ pub fn verify(
     seed: u64,
     observe: &(dyn Fn(usize) + Sync),
 ) -> Result<MonteCarlo, VerifyError> {
-    let Problem { robot, camera, target, noise, estimated, .. } = problem;
-    let corners: Vec<_> = target.board.corners().collect();
-    let measurement = Measurement { camera, corners: &corners, noise: *noise, estimated };
-    let mut M = DMatrix::zeros(estimated.len(), estimated.len());
+    let Problem { robot, camera, target, noise, .. } = problem;
+    let unknowns = problem.unknowns();
+    let measurement = problem.measurement();
+    let mut M = DMatrix::zeros(unknowns.len(), unknowns.len());
     let mut seen = Vec::with_capacity(configurations.len());
     let checks = problem.visibility.min_corners.map(|_| problem.checks());
     for (i, q) in configurations.iter().enumerate() {
@@ -60,22 +59,15 @@ pub fn verify(
         let X_CT: Pose = robot.camera_pose(q).inverse() * target.X_BT;
         let information = measurement.information(&X_CT, &corners).ok_or(not_seen)?;
         seen.push(corners);
-        M += unpack(&information, estimated.len());
+        M += unpack(&information, unknowns.len());
     }
     let unobservable = VerifyError::Unobservable { poses: configurations.len() };
     let covariance = inverse(&M).ok_or(unobservable)?;
-    let map_weight = map_error_weight(camera, estimated);
+    let map_weight = unknowns.map_error_weight();
     let nominal = Nominal { robot, camera, target, sigma: *noise };
     let planned: Vec<_> = configurations.iter().zip(&seen).collect();
     let scene = |trial| disturbance.scene(&nominal, &planned, seed, trial);
-    let trials = Trials {
-        camera,
-        board: &target.board,
-        scene: &scene,
-        estimated,
-        settings: CalibrationSettings::default(),
-        count,
-        seed,
-    };
+    let trials =
+        Trials { unknowns, board: &target.board, scene: &scene, settings: CalibrationSettings::default(), count, seed };
     Ok(monte_carlo(&trials, &Prediction { covariance: &covariance, map_weight: &map_weight }, observe)?)
 }

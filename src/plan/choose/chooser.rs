@@ -3,15 +3,14 @@
 use std::ops::ControlFlow;
 
 use nalgebra::DMatrix;
-use thiserror::Error;
 
-use super::constraints::{Captured, ConstraintError, captured, constraints, known};
+use super::choice::{Choice, Reached};
+use super::constraints::{Captured, captured, constraints, known};
+use super::error::PlanError;
 use super::objective::Objective;
-use super::{ClusteringError, kmeans, random};
-use crate::figures::grouped;
+use super::{kmeans, random};
 use crate::information::Criterion;
-use crate::plan::document::AccuracyDocument;
-use crate::plan::survey::{Survey, SurveyError};
+use crate::plan::survey::Survey;
 use crate::problem::Method;
 use crate::problem::{Accuracy, Problem};
 use crate::selection::packed::{inverse, pack, packed_len, unpack};
@@ -19,136 +18,6 @@ use crate::selection::{
     Best, Certificate, Constraints, Fewest, InformationFunction, Instance, NotEnough, RelaxationSettings, Search,
     SearchProgress, SelectionError, best, fewest, greedy, improved_greedy, relax, search, start_of_search,
 };
-
-/// Why a problem has no plan.
-#[derive(Debug, Error)]
-pub enum PlanError {
-    /// There is nothing to choose from.
-    #[error(transparent)]
-    Survey(#[from] SurveyError),
-    /// More poses are asked for than there are views.
-    #[error("{} poses are asked for, but only {} configurations see the board and can be taken", grouped(*count), grouped(*views))]
-    TooFewViews {
-        /// Poses asked for.
-        count: usize,
-        /// Views found.
-        views: usize,
-    },
-    /// The poses leave some combination of the intrinsics undetermined.
-    #[error("{} cannot determine all intrinsics; left open: {}", describe_tried(*count, *views), describe(combination))]
-    Unobservable {
-        /// Poses tried.
-        count: usize,
-        /// Views to choose from: where as many were tried, there are no more.
-        views: usize,
-        /// Names of the parameters and their coefficients in the combination, largest 1.
-        combination: Vec<(String, f64)>,
-    },
-    /// The poses found leave some combination of the intrinsics all but undetermined, where others might tell far more.
-    #[error(
-        "the set found, of size {count}, gives less than {:e} of the information that the certificate's bound allows; it all \
-             but leaves open: {}",
-        Self::LEAST_EFFICIENCY,
-        describe(combination)
-    )]
-    HardlyObservable {
-        /// Poses found.
-        count: usize,
-        /// Names of the parameters and their coefficients in the combination least known, largest 1.
-        combination: Vec<(String, f64)>,
-    },
-    /// The constraints cannot be held.
-    #[error(transparent)]
-    Constraints(#[from] ConstraintError),
-    /// No set of so many poses that the constraints allow was found.
-    #[error("{}", describe_room(*count, *found, *at_most))]
-    NoRoom {
-        /// Poses asked for.
-        count: usize,
-        /// The most that were found.
-        found: usize,
-        /// No allowed set has more.
-        at_most: usize,
-    },
-    /// The accuracies are out of reach.
-    #[error("{}: {}", describe_reach(*count, *bound), describe_shortfalls(shortfalls))]
-    Inaccurate {
-        /// Poses of the best set found.
-        count: usize,
-        /// The accuracies that it misses.
-        shortfalls: Vec<AccuracyDocument>,
-        /// Share of the accuracy that no set of so many surpasses: below 1 it is proven that none suffices; infinite if nothing is
-        /// known.
-        bound: f64,
-    },
-    /// What is known already is not positive definite.
-    #[error("the covariance of the calibration is not positive definite to working precision")]
-    Covariance,
-    /// The selection was refused.
-    #[error(transparent)]
-    Selection(SelectionError),
-    /// The baseline failed.
-    #[error(transparent)]
-    Clustering(#[from] ClusteringError),
-}
-
-impl PlanError {
-    /// Certified efficiency below which a choice is no plan: standard deviations could be a thousandth.
-    pub const LEAST_EFFICIENCY: f64 = 1e-6;
-}
-
-fn describe_room(count: usize, found: usize, at_most: usize) -> String {
-    if at_most >= count {
-        format!(
-            "no {count} poses that [constraints] allow together were found; the most found are {found}, and it is not \
-             proven that there are no more"
-        )
-    } else if at_most == found {
-        format!("[constraints] allow at most {found} poses together, which is proven; {count} are asked for")
-    } else {
-        format!("[constraints] allow no {count} poses together: {found} were found, and at most {at_most} are possible")
-    }
-}
-
-fn describe_tried(count: usize, views: usize) -> String {
-    match count {
-        1 => "1 pose".into(),
-        _ if count == views => format!("all {} views together", grouped(count)),
-        _ => format!("{count} poses"),
-    }
-}
-
-fn describe(combination: &[(String, f64)]) -> String {
-    let mut terms: Vec<_> = combination.iter().filter(|(_, c)| c.abs() > 1e-3).collect();
-    terms.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
-    let mut text = String::new();
-    for (i, (name, c)) in terms.into_iter().enumerate() {
-        let sign = match (i, *c < 0.0) {
-            (0, false) => "",
-            (0, true) => "-",
-            (_, false) => " + ",
-            (_, true) => " - ",
-        };
-        text += &format!("{sign}{:.3} {name}", c.abs());
-    }
-    text
-}
-
-fn describe_reach(count: usize, bound: f64) -> String {
-    if bound < 1.0 {
-        format!("not even {count} poses, all that may be chosen, reach the accuracy wished for")
-    } else {
-        format!("no set of poses was found that reaches the accuracy wished for; with the best, {count} poses")
-    }
-}
-
-fn describe_shortfalls(shortfalls: &[AccuracyDocument]) -> String {
-    let each = shortfalls.iter().map(|AccuracyDocument { name, wished, reached }| {
-        let what = if name == "map_error_px" { "the map error in px".into() } else { format!("sigma of {name}") };
-        format!("{what} is {reached:.4} where {wished} is wished")
-    });
-    each.collect::<Vec<_>>().join(", ")
-}
 
 /// Chooses from one survey.
 pub struct Chooser<'a> {
@@ -161,19 +30,6 @@ pub struct Chooser<'a> {
     /// p×p information already at hand.
     prior: DMatrix<f64>,
     captured: Vec<Captured>,
-}
-
-/// A set of poses and how good it is.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Choice {
-    /// The views chosen, ascending indices into the survey's.
-    pub selected: Vec<usize>,
-    /// log Φ of the choice; −∞ if it leaves a combination of the intrinsics undetermined.
-    pub log_value: f64,
-    /// Standard deviation of each estimated intrinsic; empty if one is undetermined.
-    pub sigma: Vec<f64>,
-    /// Expected RMS map error in px; infinite if an intrinsic is undetermined.
-    pub map_error: f64,
 }
 
 impl<'a> Chooser<'a> {
@@ -332,13 +188,13 @@ impl<'a> Chooser<'a> {
     }
 
     /// The accuracies that the problem wishes for, in its order, and what a choice reaches.
-    pub(crate) fn reached(&self, choice: &Choice) -> Vec<AccuracyDocument> {
-        let names = self.problem.estimated_names();
+    pub(crate) fn reached(&self, choice: &Choice) -> Vec<Reached> {
+        let names = self.problem.unknowns().names();
         let reached = |&(accuracy, wished): &(Accuracy, f64)| match accuracy {
-            Accuracy::MapError => AccuracyDocument { name: "map_error_px".into(), wished, reached: choice.map_error },
+            Accuracy::MapError => Reached { name: "map_error_px".into(), wished, reached: choice.map_error },
             Accuracy::Intrinsic(j) => {
                 let reached = choice.sigma.get(j).copied().unwrap_or(f64::INFINITY);
-                AccuracyDocument { name: names[j].into(), wished, reached }
+                Reached { name: names[j].into(), wished, reached }
             }
         };
         self.problem.selection.goal.accuracies().iter().map(reached).collect()

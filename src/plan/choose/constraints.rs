@@ -5,7 +5,6 @@ use thiserror::Error;
 
 use crate::feasibility::View;
 use crate::figures::grouped;
-use crate::information::Measurement;
 use crate::plan::survey::Survey;
 use crate::problem::{JointRegion, PoseConstraints, Problem};
 use crate::robot::JointKind;
@@ -145,9 +144,7 @@ pub(crate) fn captured(problem: &Problem) -> Result<Vec<Captured>, ConstraintErr
 /// When a view taken does not see enough of the board.
 pub(crate) fn known(problem: &Problem, captured: &[Captured]) -> Result<DMatrix<f64>, ConstraintError> {
     let p = problem.estimated.len();
-    let corners: Vec<_> = problem.target.board.corners().collect();
-    let measurement =
-        Measurement { camera: &problem.camera, corners: &corners, noise: problem.noise, estimated: &problem.estimated };
+    let measurement = problem.measurement();
     let mut known = DMatrix::zeros(p, p);
     for &(j, sigma) in &problem.prior_sigma {
         known[(j, j)] += sigma.powi(-2);

@@ -2,13 +2,15 @@
 
 use std::ops::ControlFlow;
 
-use super::chooser::{Choice, Chooser, PlanError};
+use super::choice::Choice;
+use super::chooser::Chooser;
+use super::error::PlanError;
 use crate::problem::{Goal, Method, Problem, SelectionSettings};
 use crate::selection::{Certificate, Refutation, SearchEnd, SearchProgress};
 
 /// A choice and what is proven of it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Made {
+pub struct Decision {
     /// The choice.
     pub choice: Choice,
     /// What proves that no other of as many poses is much better.
@@ -46,11 +48,11 @@ pub struct FewestProof {
 ///
 /// # Errors
 /// When no choice is possible, or it leaves a combination of the intrinsics undetermined or all but so.
-pub fn make<'a>(
+pub fn decide<'a>(
     problem: &Problem,
     chooser: Chooser<'a>,
     observe: &mut dyn FnMut(&SearchProgress) -> ControlFlow<()>,
-) -> Result<(Made, Chooser<'a>), PlanError> {
+) -> Result<(Decision, Chooser<'a>), PlanError> {
     let SelectionSettings { goal, seed, .. } = &problem.selection;
     let (count, method) = match goal {
         Goal::Best { count, method, .. } => (*count, *method),
@@ -59,7 +61,7 @@ pub fn make<'a>(
             let certificate = found.best.relaxation.certificate;
             let log_bound = certificate.log_bound;
             let fewest = Some(FewestProof { least: found.least, refutation: found.refutation });
-            return Ok((Made { choice, certificate, log_bound, search: None, fewest }, chooser));
+            return Ok((Decision { choice, certificate, log_bound, search: None, fewest }, chooser));
         }
     };
     let (choice, certificate, search) = match method {
@@ -81,7 +83,7 @@ pub fn make<'a>(
     chooser.require_efficient(&choice, log_bound)?;
     let search =
         search.map(|search| SearchSummary { end: search.end, nodes: search.nodes, open_at_root: search.open_at_root });
-    Ok((Made { choice, certificate, log_bound, search, fewest: None }, chooser))
+    Ok((Decision { choice, certificate, log_bound, search, fewest: None }, chooser))
 }
 
 #[cfg(test)]
@@ -89,7 +91,6 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::plan::choose::PlanError;
     use crate::plan::survey::survey;
 
     #[test]
@@ -101,7 +102,7 @@ mod tests {
         let chooser = Chooser::new(&problem, &survey).unwrap();
         // Two views that determine all nine intrinsics by the book, and to thousands of pixels.
         let refused =
-            make(&problem, Chooser::new(&problem, &survey).unwrap(), &mut |_| ControlFlow::Continue(())).map(drop);
+            decide(&problem, Chooser::new(&problem, &survey).unwrap(), &mut |_| ControlFlow::Continue(())).map(drop);
         let Err(PlanError::HardlyObservable { count: 2, combination }) = refused else { panic!("{refused:?}") };
         assert_eq!(combination.len(), problem.estimated.len());
         // Just inside and just outside of the floor.

@@ -1,14 +1,18 @@
 //! From a survey to a choice of poses with its proof.
 
 mod baseline;
+mod choice;
 mod chooser;
 mod constraints;
 mod decide;
+mod error;
 mod objective;
 
 pub use baseline::{Clustering, ClusteringError, kmeans, lloyd, random};
-pub use chooser::{Choice, Chooser, PlanError};
+pub use choice::{Choice, Reached};
+pub use chooser::Chooser;
 pub use constraints::ConstraintError;
 pub(crate) use constraints::{allows, captured, known};
-pub use decide::{FewestProof, Made, SearchSummary, make};
+pub use decide::{Decision, FewestProof, SearchSummary, decide};
+pub use error::PlanError;
 pub(crate) use objective::{ACCURACY, Objective, TermDefinition};

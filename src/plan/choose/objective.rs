@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::constraints::Captured;
 use crate::feasibility::View;
-use crate::information::{Criterion, DiversityModel, Measurement, ZHANG_DIRECTIONS, pixel_units};
+use crate::information::{Criterion, DiversityModel, Measurement, ZHANG_DIRECTIONS};
 use crate::plan::survey::{Survey, SurveyError};
 use crate::problem::{Accuracy, Problem};
 use crate::selection::InformationSet;
@@ -118,7 +118,7 @@ impl<'a> Objective<'a> {
             candidates: Cow::Borrowed(&survey.information),
             prior: Some(prior.clone()),
             function: InformationFunction::worst_variance(&weights),
-            parameters: owned(&problem.estimated_names()),
+            parameters: owned(&problem.unknowns().names()),
             source: Source::Intrinsics,
         };
         Self { terms: vec![term] }
@@ -244,7 +244,7 @@ impl<'a> ObjectiveTerm<'a> {
         prior: &DMatrix<f64>,
         captured: &[Captured],
     ) -> Result<Self, SurveyError> {
-        let names = owned(&problem.estimated_names());
+        let names = owned(&problem.unknowns().names());
         let borrowed = Cow::Borrowed(&survey.information);
         let poses = || survey.views.iter().map(|view| view.X_CT).collect::<Vec<_>>();
         let term = |candidates, prior, function, parameters, source| Self {
@@ -268,20 +268,14 @@ impl<'a> ObjectiveTerm<'a> {
                 term(borrowed, Some(prior.clone()), function, names, intrinsics)
             }
             Criterion::E => {
-                let units = pixel_units(&problem.camera, &problem.estimated);
+                let units = problem.unknowns().pixel_units();
                 let D = DMatrix::from_diagonal(&units.clone().into());
                 let candidates = Cow::Owned(survey.information.scaled(&units));
                 let prior = &D * prior * &D;
                 term(candidates, Some(prior), InformationFunction::min_eigenvalue(), names, Source::Scaled(units))
             }
             Criterion::Zhang => {
-                let corners: Vec<_> = problem.target.board.corners().collect();
-                let measurement = Measurement {
-                    camera: &problem.camera,
-                    corners: &corners,
-                    noise: problem.noise,
-                    estimated: &problem.estimated,
-                };
+                let measurement = problem.measurement();
                 let undetermined = SurveyError::PoseUndetermined {
                     columns: problem.target.board.columns,
                     rows: problem.target.board.rows,
@@ -309,7 +303,7 @@ impl<'a> ObjectiveTerm<'a> {
 
 /// The weight of `a`: of the variances in the units that each move the image by 1 px.
 fn pixel_weight(problem: &Problem) -> DMatrix<f64> {
-    let units = pixel_units(&problem.camera, &problem.estimated);
+    let units = problem.unknowns().pixel_units();
     DMatrix::from_diagonal(&DVector::from_vec(units).map(|unit| unit.powi(-2)))
 }
 

@@ -3,8 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::information::Criterion;
-use crate::plan::choose::SearchSummary;
-use crate::plan::choose::{ACCURACY, Objective};
+use crate::plan::choose::{ACCURACY, Objective, Reached, SearchSummary};
 use crate::selection::packed::{packed_len, unpack};
 use crate::selection::{Certificate, SearchEnd};
 
@@ -78,6 +77,12 @@ pub struct AccuracyDocument {
     pub wished: f64,
     /// What the plan reaches.
     pub reached: f64,
+}
+
+impl AccuracyDocument {
+    pub(crate) fn new(Reached { name, wished, reached }: Reached) -> Self {
+        Self { name, wished, reached }
+    }
 }
 
 impl SearchDocument {

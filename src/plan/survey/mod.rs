@@ -18,7 +18,6 @@ use thiserror::Error;
 
 use crate::feasibility::{LinkPairs, Rejection, View, feasible_views};
 use crate::figures::grouped;
-use crate::information::{Measurement, map_error_weight};
 use crate::problem::Problem;
 use crate::selection::InformationSet;
 use crate::sweep::{Sweep, sweep};
@@ -114,12 +113,11 @@ impl Survey {
     /// # Errors
     /// When a view's pose is not determined by its own corners.
     pub(crate) fn of(problem: &Problem, views: Vec<View>) -> Result<Self, SurveyError> {
-        let Problem { camera, target, noise, estimated, .. } = problem;
-        let corners: Vec<_> = target.board.corners().collect();
-        let measurement = Measurement { camera, corners: &corners, noise: *noise, estimated };
-        let information = measurement
+        let board = &problem.target.board;
+        let information = problem
+            .measurement()
             .information_set(views.par_iter().map(|view| (&view.X_CT, &view.seen)))
-            .ok_or(SurveyError::PoseUndetermined { columns: target.board.columns, rows: target.board.rows })?;
+            .ok_or(SurveyError::PoseUndetermined { columns: board.columns, rows: board.rows })?;
         Ok(Self {
             sweep: Sweep { swept: views.len(), inside: 0, edge: 0, candidates: Vec::new() },
             views,
@@ -127,7 +125,7 @@ impl Survey {
             links: LinkPairs::default(),
             refined: 0,
             information,
-            map_weight: map_error_weight(camera, estimated),
+            map_weight: problem.unknowns().map_error_weight(),
         })
     }
 }

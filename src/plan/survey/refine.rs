@@ -2,7 +2,6 @@
 
 use super::{Survey, SurveyError, survey};
 use crate::feasibility::View;
-use crate::information::Measurement;
 use crate::plan::choose::{Chooser, PlanError};
 use crate::problem::Method;
 use crate::problem::Problem;
@@ -77,11 +76,9 @@ pub(crate) fn join(problem: &Problem, survey: &mut Survey, picks: &[Vec<f64>], r
         (problem.axis == AxisRule::Any || view.axis_case(&problem.target) != AxisCase::Outside).then_some(view)
     };
     let views: Vec<View> = (0..tried).into_par_iter().with_min_len(64).filter_map(view).collect();
-    let corners: Vec<_> = problem.target.board.corners().collect();
-    let measurement =
-        Measurement { camera: &problem.camera, corners: &corners, noise: problem.noise, estimated: &problem.estimated };
     let board = &problem.target.board;
-    let information = measurement
+    let information = problem
+        .measurement()
         .information_set(views.par_iter().map(|view| (&view.X_CT, &view.seen)))
         .ok_or(SurveyError::PoseUndetermined { columns: board.columns, rows: board.rows })?;
     survey.information.append(&information);

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::{Check, owned, si};
 use crate::camera::Camera;
-use crate::information::{Criterion, pixel_units};
+use crate::information::{Criterion, Unknowns};
 use crate::problem::fault::{Allowed, Reason};
 use crate::problem::schema;
 use crate::problem::schema::{Numbers, Range, TextOrTable};
@@ -136,7 +136,8 @@ impl Check<'_, '_> {
                 continue;
             };
             // An intrinsic that moves no pixel has no unit.
-            let unit = camera.map(|camera| pixel_units(camera, &estimated[j..=j])[0]).filter(|unit| unit.is_finite());
+            let alone = |camera| Unknowns { camera, estimated: &estimated[j..=j] };
+            let unit = camera.map(|camera| alone(camera).pixel_units()[0]).filter(|unit| unit.is_finite());
             let least = unit.map_or(f64::MIN_POSITIVE, |unit| KNOWN * noise * unit);
             if sigma < least && sigma > 0.0 {
                 self.fault(&key, Reason::KnownExactly { value: sigma, least });

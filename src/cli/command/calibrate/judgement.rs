@@ -6,7 +6,7 @@ use super::LossName;
 use super::fit::OtherLens;
 use crate::calibration::{Calibration, Coverage, Observations};
 use crate::cli::output::short;
-use crate::information::{pixel_units, weakest};
+use crate::information::weakest;
 
 /// Over this share of outliers something is wrong with the detections or the lens model.
 const MANY_OUTLIERS: f64 = 0.01;
@@ -157,15 +157,16 @@ pub(super) fn lacks(
     map_error: f64,
     goal: Option<f64>,
 ) -> String {
-    let Calibration { camera, estimated, covariance, poses, .. } = calibration;
+    let Calibration { camera, covariance, poses, .. } = calibration;
     let mut text = String::new();
     if let Some(weakest) = weakest(covariance, W) {
-        let units = pixel_units(camera, estimated);
+        let units = calibration.unknowns().pixel_units();
         let moved: Vec<f64> = weakest.change.iter().zip(&units).map(|(change, unit)| (change / unit).abs()).collect();
         let largest = moved.iter().copied().fold(0.0, f64::max);
         let mut order: Vec<usize> = (0..moved.len()).filter(|&i| moved[i] >= NAMED * largest).collect();
         order.sort_by(|&a, &b| moved[b].total_cmp(&moved[a]));
-        let names: Vec<&str> = order.iter().map(|&i| camera.lens().parameter_names()[estimated[i]]).collect();
+        let all = calibration.unknowns().names();
+        let names: Vec<&str> = order.iter().map(|&i| all[i]).collect();
         text += &match names[..] {
             [name] => format!(" {:.0} % of its square comes from {name}.", 100.0 * weakest.share),
             _ => format!(

@@ -9,7 +9,6 @@ use super::{LossName, Wish};
 use crate::calibration::{Calibration, residuals};
 use crate::cli::output::{fixed, short, table};
 use crate::formats::Detections;
-use crate::information::{map_error_at, map_error_weight};
 use crate::plan::document::Pose;
 
 /// Outliers and images without corners listed in the text; the document has all.
@@ -46,13 +45,14 @@ struct ResidualStatistics {
 }
 
 impl MapErrors {
-    fn new(Calibration { camera, estimated, covariance, .. }: &Calibration, W: &DMatrix<f64>) -> Self {
+    fn new(calibration: &Calibration, W: &DMatrix<f64>) -> Self {
+        let Calibration { camera, covariance, .. } = calibration;
         let (right, bottom) = (f64::from(camera.width()) - 1.0, f64::from(camera.height()) - 1.0);
         let (x, y) = (right / 2.0, bottom / 2.0);
         // The root mean square over the places of one kind, those that the lens reaches.
         let at = |places: &[(f64, f64)]| {
             let pixels: Vec<_> = places.iter().map(|&(u, v)| Vector2::new(u, v)).collect();
-            let errors = map_error_at(camera, estimated, covariance, &pixels);
+            let errors = calibration.unknowns().map_error_at(covariance, &pixels);
             let squares: Vec<f64> = errors.into_iter().flatten().map(|error| error * error).collect();
             (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
         };
@@ -93,7 +93,7 @@ impl<'a> Report<'a> {
         let observations = &detections.observations;
         let Calibration { camera, estimated, covariance, .. } = calibration;
         let all = residuals(observations, camera, &calibration.poses).concat();
-        let W = map_error_weight(camera, estimated);
+        let W = calibration.unknowns().map_error_weight();
         let map = MapErrors::new(calibration, &W);
         let wished: Vec<Wished> = wishes
             .iter()

@@ -76,7 +76,7 @@ pub(crate) fn run(arguments: &ProblemArguments, screen: &mut Screen) -> Result<(
         what_views_do(&problem),
         grouped(tried),
         chosen(&problem, &forecast),
-        problem.estimated_names().join(" "),
+        problem.unknowns().names().join(" "),
         problem.output.display(),
         duration(seconds),
         if problem.selection.goal.searches() {
@@ -102,7 +102,7 @@ pub(crate) fn run(arguments: &ProblemArguments, screen: &mut Screen) -> Result<(
 /// What would be chosen, and how.
 fn chosen(problem: &Problem, forecast: &Forecast) -> String {
     let goal = &problem.selection.goal;
-    let names = problem.estimated_names();
+    let names = problem.unknowns().names();
     let accuracies = match goal {
         Goal::Best { count, method, .. } => {
             return format!("{} poses by `{}` for criterion `{goal}`", grouped(*count), method.name());

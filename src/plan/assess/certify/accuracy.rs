@@ -36,8 +36,8 @@ impl PredictedAccuracy {
         Ok(Self {
             sigma: covariance.diagonal().iter().map(|variance| variance.sqrt()).collect(),
             map_error: (&survey.map_weight * &covariance).trace().sqrt(),
-            names: problem.estimated_names(),
-            nominal: problem.estimated.iter().map(|&i| problem.camera.intrinsics()[i]).collect(),
+            names: problem.unknowns().names(),
+            nominal: problem.unknowns().values(),
             tolerance: SAME + rounding,
         })
     }

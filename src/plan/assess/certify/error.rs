@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::plan::assess::locate::RecallError;
+use crate::plan::assess::locate::LocateError;
 use crate::plan::choose::PlanError;
 
 /// Why a plan does not hold.
@@ -75,7 +75,7 @@ pub enum CertifyError {
     },
     /// The plan does not fit the problem or its candidates.
     #[error(transparent)]
-    Recall(#[from] RecallError),
+    Locate(#[from] LocateError),
     /// The problem has no plan any more.
     #[error(transparent)]
     Plan(#[from] PlanError),

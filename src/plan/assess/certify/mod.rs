@@ -90,7 +90,7 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
     same("the problem's hash", sha256, &problem.sha256)?;
     alike("what is given in place of the problem file's values", set, &problem.overrides.of_results())?;
     plan.fit(problem)?;
-    let (chooser, selected) = plan.recall(problem, survey)?;
+    let (chooser, selected) = plan.locate(problem, survey)?;
     if *criterion != chooser.criterion() {
         return Err(CertifyError::Criterion { stated: criterion.clone(), found: chooser.criterion() });
     }
