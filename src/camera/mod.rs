@@ -21,6 +21,15 @@ const COVERAGE_CELLS: u32 = 64;
 pub type IntrinsicsJacobian = SMatrix<f64, 2, MAX_INTRINSICS>;
 
 /// A calibrated camera.
+///
+/// ```
+/// use calipose::camera::{Camera, Lens};
+/// use nalgebra::{Point3, Vector2};
+///
+/// let camera = Camera::new(Lens::Pinhole, 1280, 720, &[900.0, 900.0, 639.5, 359.5])?;
+/// assert_eq!(camera.project(&Point3::new(0.1, 0.0, 1.0)), Some(Vector2::new(729.5, 359.5)));
+/// # Ok::<(), calipose::camera::CameraError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
     lens: Lens,

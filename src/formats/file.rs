@@ -34,6 +34,16 @@ impl From<UrdfError> for FileReadError {
 
 /// The camera of the file at `path`; see [`read_camera`].
 ///
+/// ```
+/// use std::path::Path;
+///
+/// use calipose::formats::{StatedCamera, read_camera_file};
+///
+/// let camera = read_camera_file(Path::new("tests/data/camera-files/kalibr-camchain.yaml"), &StatedCamera::default())?;
+/// assert_eq!(camera.lens().name(), "kannala-brandt");
+/// # Ok::<(), calipose::formats::FileReadError>(())
+/// ```
+///
 /// # Errors
 /// When the file cannot be read or has no camera.
 pub fn read_camera_file(path: &Path, stated: &StatedCamera) -> Result<Camera, FileReadError> {
@@ -41,6 +51,18 @@ pub fn read_camera_file(path: &Path, stated: &StatedCamera) -> Result<Camera, Fi
 }
 
 /// The detections of the file at `path`; see [`read_detections`].
+///
+/// ```no_run
+/// use std::path::Path;
+///
+/// use calipose::formats::{Known, read_detections_file};
+/// use calipose::target::Board;
+///
+/// let board = Board { columns: 8, rows: 6, square: 0.035 };
+/// let known = Known { board: Some(board), image: Some([1280, 720]), images: Some("*cam0*".into()) };
+/// let detections = read_detections_file(Path::new("corners.vnl"), &known)?;
+/// # Ok::<(), calipose::formats::FileReadError>(())
+/// ```
 ///
 /// # Errors
 /// When the file cannot be read or its detections cannot be used.

@@ -94,11 +94,11 @@ fn read(root: &Node, stated: &StatedCamera) -> Result<Camera, ReadError> {
         Some([side(width, &key("resolution[0]"))?, side(height, &key("resolution[1]"))?]),
         resolution.line,
     )?;
-    let listed = numbers("intrinsics")?;
-    if listed.entries.len() != 4 {
-        return Err(length(&listed, "4: fx, fy, cx, cy"));
+    let pinhole = numbers("intrinsics")?;
+    if pinhole.entries.len() != 4 {
+        return Err(length(&pinhole, "4: fx, fy, cx, cy"));
     }
-    let mut θ: Vec<Located> = listed.entries;
+    let mut θ: Vec<Located> = pinhole.entries;
     let listed = ["distortion_coeffs", "distortion_coefficients"].into_iter().find(|key| node.get(key).is_some());
     let listed = numbers(listed.unwrap_or("distortion_coeffs"))?;
     θ.extend(coefficients::of_lens(lens, model, &listed)?);

@@ -7,7 +7,7 @@ use super::stated::StatedCamera;
 use crate::camera::{Camera, Lens};
 use crate::formats::error::{ReadError, ReadFault};
 use crate::formats::image_size::side;
-use crate::formats::number;
+use crate::formats::number::list;
 use crate::formats::tree::{Located, Node};
 
 const NAME: &str = "mrcal";
@@ -34,7 +34,7 @@ const LENSES: LensNames<4> = LensNames {
 /// `camera` as the reference of its extrinsics.
 fn write(camera: &Camera) -> Result<String, WriteError> {
     let model = LENSES.of(camera.lens())?;
-    let (intrinsics, origin) = (number::list(camera.intrinsics()), number::list(&[0.0; 6]));
+    let (intrinsics, origin) = (list(camera.intrinsics()), list(&[0.0; 6]));
     // The extrinsics by mrcal's old name and by its new one; it takes both where they agree.
     Ok(format!(
         "{{\n    'lensmodel': '{model}',\n\n    # fx, fy, cx, cy, then the distortion\n    'intrinsics': {intrinsics},\n\n    \
@@ -58,12 +58,12 @@ fn read(root: &Node, stated: &StatedCamera) -> Result<Camera, ReadError> {
     };
     let sides = [side(width, "imagersize[0]")?, side(height, "imagersize[1]")?];
     let size = stated.image_size(Some(sides), size.line)?;
-    let list = root.require("", "intrinsics")?;
-    let mut θ = list.numbers(&"intrinsics")?;
+    let listed = root.require("", "intrinsics")?;
+    let mut θ = listed.numbers(&"intrinsics")?;
     if θ.len() != given {
-        return Err(length("intrinsics", θ.len(), given, list.line));
+        return Err(length("intrinsics", θ.len(), given, listed.line));
     }
-    θ.resize(count, Located { line: list.line, value: 0.0 });
+    θ.resize(count, Located { line: listed.line, value: 0.0 });
     intrinsics::camera(lens, size, &θ)
 }
 

@@ -70,6 +70,13 @@ impl MeshError {
 
 /// The different vertices of the mesh at `path`, in m.
 ///
+/// ```no_run
+/// use std::path::Path;
+///
+/// let vertices = calipose::formats::read_mesh(Path::new("meshes/forearm.stl"))?;
+/// # Ok::<(), calipose::formats::MeshError>(())
+/// ```
+///
 /// # Errors
 /// When the file cannot be read, is of an unknown format, or has too few vertices.
 pub fn read_mesh(path: &Path) -> Result<Vec<Point3<f64>>, MeshError> {
