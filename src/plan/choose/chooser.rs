@@ -10,7 +10,6 @@ use super::objective::Objective;
 use super::{ClusteringError, kmeans, random};
 use crate::figures::grouped;
 use crate::information::Criterion;
-use crate::plan::document::AccuracyDocument;
 use crate::plan::survey::{Survey, SurveyError};
 use crate::problem::Method;
 use crate::problem::{Accuracy, Problem};
@@ -76,7 +75,7 @@ pub enum PlanError {
         /// Poses of the best set found.
         count: usize,
         /// The accuracies that it misses.
-        shortfalls: Vec<AccuracyDocument>,
+        shortfalls: Vec<ReachedAccuracy>,
         /// Share of the accuracy that no set of so many surpasses: below 1 it is proven that none suffices; infinite if nothing is
         /// known.
         bound: f64,
@@ -142,8 +141,19 @@ fn describe_reach(count: usize, bound: f64) -> String {
     }
 }
 
-fn describe_shortfalls(shortfalls: &[AccuracyDocument]) -> String {
-    let each = shortfalls.iter().map(|AccuracyDocument { name, wished, reached }| {
+/// An accuracy that a problem wishes for, and what a choice reaches; standard deviations.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReachedAccuracy {
+    /// `map_error_px` or the name of an intrinsic.
+    pub name: String,
+    /// What is wished for.
+    pub wished: f64,
+    /// What is reached.
+    pub reached: f64,
+}
+
+fn describe_shortfalls(shortfalls: &[ReachedAccuracy]) -> String {
+    let each = shortfalls.iter().map(|ReachedAccuracy { name, wished, reached }| {
         let what = if name == "map_error_px" { "the map error in px".into() } else { format!("sigma of {name}") };
         format!("{what} is {reached:.4} where {wished} is wished")
     });
@@ -332,13 +342,13 @@ impl<'a> Chooser<'a> {
     }
 
     /// The accuracies that the problem wishes for, in its order, and what a choice reaches.
-    pub(crate) fn reached(&self, choice: &Choice) -> Vec<AccuracyDocument> {
+    pub(crate) fn reached(&self, choice: &Choice) -> Vec<ReachedAccuracy> {
         let names = self.problem.estimated_names();
         let reached = |&(accuracy, wished): &(Accuracy, f64)| match accuracy {
-            Accuracy::MapError => AccuracyDocument { name: "map_error_px".into(), wished, reached: choice.map_error },
+            Accuracy::MapError => ReachedAccuracy { name: "map_error_px".into(), wished, reached: choice.map_error },
             Accuracy::Intrinsic(j) => {
                 let reached = choice.sigma.get(j).copied().unwrap_or(f64::INFINITY);
-                AccuracyDocument { name: names[j].into(), wished, reached }
+                ReachedAccuracy { name: names[j].into(), wished, reached }
             }
         };
         self.problem.selection.accuracies.iter().map(reached).collect()

@@ -7,7 +7,7 @@ mod decide;
 mod objective;
 
 pub use baseline::{Clustering, ClusteringError, kmeans, lloyd, random};
-pub use chooser::{Choice, Chooser, PlanError};
+pub use chooser::{Choice, Chooser, PlanError, ReachedAccuracy};
 pub use constraints::ConstraintError;
 pub(crate) use constraints::{allows, captured, known};
 pub use decide::{FewestProof, Made, SearchSummary, make};

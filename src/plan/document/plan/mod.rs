@@ -132,7 +132,7 @@ impl Plan {
         let poses = choice.selected.iter().zip(shares);
         let document = |certificate| CertificateDocument::new(chooser.objective(), certificate);
         let fewest = made.fewest.as_ref().map(|proof| FewestDocument {
-            accuracies: chooser.reached(choice),
+            accuracies: chooser.reached(choice).into_iter().map(AccuracyDocument::new).collect(),
             least: proof.least,
             refutation: proof.refutation.as_ref().map(|refutation| document(&refutation.certificate)),
             nodes: proof.refutation.as_ref().map_or(0, |refutation| refutation.nodes),

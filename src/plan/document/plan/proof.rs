@@ -4,8 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::information::Criterion;
-use crate::plan::choose::SearchSummary;
-use crate::plan::choose::{ACCURACY, Objective};
+use crate::plan::choose::{ACCURACY, Objective, ReachedAccuracy, SearchSummary};
 use crate::selection::packed::{packed_len, unpack};
 use crate::selection::{Certificate, SearchEnd};
 
@@ -79,6 +78,12 @@ pub struct AccuracyDocument {
     pub wished: f64,
     /// What the plan reaches.
     pub reached: f64,
+}
+
+impl AccuracyDocument {
+    pub(super) fn new(ReachedAccuracy { name, wished, reached }: ReachedAccuracy) -> Self {
+        Self { name, wished, reached }
+    }
 }
 
 impl SearchDocument {
