@@ -95,3 +95,52 @@ impl fmt::Display for Judgement {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DMatrix;
+
+    use super::super::{Failure, MapError, ParameterStatistics, TrialFailure};
+    use super::*;
+
+    fn trials(good: usize, failed: usize, ratio: f64) -> Judgement {
+        let parameter = |name, ratio| ParameterStatistics {
+            name,
+            nominal: 1.0,
+            bias: 0.0,
+            sampled_sigma: ratio,
+            predicted_sigma: 1.0,
+            ratio,
+            interval: (0.9, 1.1),
+        };
+        let failure = |trial| Failure { trial, reason: TrialFailure::NotConverged { iterations: 9 } };
+        Judgement::new(&MonteCarlo {
+            parameters: vec![parameter("fx", 1.0), parameter("k1", ratio)],
+            covariance: DMatrix::identity(2, 2),
+            map_error: MapError { measured: 1.0, predicted: 1.0, standard_error: 0.1 },
+            rms: 0.3,
+            count: good + failed,
+            failures: (0..failed).map(failure).collect(),
+        })
+    }
+
+    #[test]
+    fn a_plan_is_bad_that_does_worse_than_predicted_or_fails_often_and_open_where_trials_are_few() {
+        for (judgement, holds, words) in [
+            (trials(0, 5, 1.0), Some(false), "does not lead to a calibration."),
+            (trials(4, 6, 1.0), Some(false), "60 % of the calibrations fail."),
+            (trials(29, 0, 9.0), None, "none; 29 of 30"),
+            (trials(500, 0, 1.0), Some(true), "Verdict: the plan does what it predicts;"),
+            (trials(500, 0, 0.8), Some(true), "better than predicted in k1."),
+            (trials(500, 0, 1.3), Some(false), "worse than predicted in k1."),
+            (
+                trials(480, 20, 1.0),
+                Some(false),
+                "4 % of the calibrations fail; of the others, the plan does what it predicts;",
+            ),
+        ] {
+            assert_eq!(judgement.holds(), holds, "{judgement}");
+            assert!(judgement.to_string().contains(words), "{judgement}");
+        }
+    }
+}
