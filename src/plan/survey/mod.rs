@@ -6,7 +6,7 @@ mod forecast;
 mod refine;
 mod smell;
 
-pub use contacts::{CollisionDocument, Contact};
+pub use contacts::Contact;
 pub use diagnosis::{Diagnosis, Miss, Obstacle, diagnose};
 pub use forecast::{Forecast, forecast, forecast_bytes};
 pub use refine::candidates;
