@@ -11,7 +11,6 @@ use crate::cli::output::collision::untested_text;
 use crate::cli::output::failure::Failure;
 use crate::cli::output::{Screen, short};
 use crate::plan::assess::{PolishSettings, polish};
-use crate::plan::document::PolishedPlan;
 use crate::plan::results::{add_results, probe};
 
 #[derive(Debug, Args)]
@@ -46,7 +45,7 @@ pub(crate) fn run(arguments: &PolishArguments, screen: &mut Screen) -> Result<()
     });
     bar.finish_and_clear();
     let Planned { plan, problem, text, .. } = &planned;
-    let found = PolishedPlan::new(problem, &chooser, plan, &polished?);
+    let found = polished?.document(problem, &chooser, plan);
 
     let table = found.to_csv(&problem.robot.chain.joints).map_err(|error| Failure::Table(error.to_string()))?;
     let [document, poses] = FILES;

@@ -12,7 +12,7 @@ use comfy_table::{CellAlignment, Table, presets};
 use miette::{GraphicalReportHandler, GraphicalTheme};
 
 pub(crate) use crate::figures::{fixed, grouped};
-use crate::robot::{Joint, JointKind};
+use crate::robot::Joint;
 use failure::Failure;
 use progress::Progress;
 
@@ -123,10 +123,7 @@ pub(crate) fn table(header: &[&str], rows: &[Vec<String>]) -> String {
 
 /// Headings of the joints' columns, with their units.
 pub(crate) fn joint_columns(joints: &[Joint]) -> impl Iterator<Item = String> {
-    joints.iter().map(|joint| {
-        let unit = if joint.kind == JointKind::Prismatic { "mm" } else { "deg" };
-        format!("{} [{unit}]", joint.name)
-    })
+    joints.iter().map(|joint| format!("{} [{}]", joint.name, joint.kind.display_unit()))
 }
 
 /// A number to four significant digits.

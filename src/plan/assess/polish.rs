@@ -11,9 +11,10 @@ use nalgebra::DVector;
 
 use crate::feasibility::{Checks, View};
 use crate::information::Measurement;
-use crate::plan::choose::Objective;
-use crate::plan::choose::allows;
-use crate::plan::choose::{Chooser, PlanError};
+use crate::plan::choose::{Chooser, Objective, PlanError, allows};
+use crate::plan::document::{
+    GridPlan, Intrinsics, POLISHED_FORMAT, POLISHED_VERSION, PROVEN, Plan, PlannedPose, PolishedPlan,
+};
 use crate::plan::survey::SurveyError;
 use crate::problem::Problem;
 use crate::selection::{Constraints, Instance};
@@ -53,6 +54,39 @@ pub struct Polished {
     pub cycles: usize,
     /// Whether the last cycle gained less than the least gain.
     pub converged: bool,
+}
+
+impl Polished {
+    /// What is written of it, polished from `plan` by `chooser`.
+    pub fn document(&self, problem: &Problem, chooser: &Chooser, plan: &Plan) -> PolishedPlan {
+        let gain = (self.log_value - self.grid_log_value).exp();
+        let poses = self.views.iter().zip(&self.shares);
+        PolishedPlan {
+            format: POLISHED_FORMAT.into(),
+            version: POLISHED_VERSION,
+            calipose: env!("CARGO_PKG_VERSION").into(),
+            problem: plan.problem.clone(),
+            criterion: plan.criterion.clone(),
+            count: plan.count,
+            value: chooser.natural(self.log_value),
+            gain: gain - 1.0,
+            efficiency_by_grid_bound: plan.efficiency * gain,
+            intrinsics: Intrinsics { sigma: self.sigma.clone(), ..plan.intrinsics.clone() },
+            map_error_px: self.map_error,
+            cycles: self.cycles,
+            converged: self.converged,
+            proven: PROVEN.into(),
+            grid: GridPlan {
+                value: plan.value,
+                bound: plan.bound,
+                efficiency: plan.efficiency,
+                map_error_px: plan.map_error_px,
+                certificate: plan.certificate.clone(),
+            },
+            joints: plan.joints.clone(),
+            poses: poses.map(|(view, &share)| PlannedPose::new(problem, view, share)).collect(),
+        }
+    }
 }
 
 /// Iterations of the simplex method per pose and joint; restarts in the next cycle do more than patience in one.

@@ -2,11 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::plan::{Intrinsics, Plan, PlannedPose, ProblemReference, poses_csv};
+use super::plan::{Intrinsics, PlannedPose, ProblemReference, poses_csv};
 use super::proof::CertificateDocument;
-use crate::plan::assess::Polished;
-use crate::plan::choose::Chooser;
-use crate::problem::Problem;
 use crate::robot::Joint;
 
 /// Value of the key `format`.
@@ -74,37 +71,6 @@ pub struct GridPlan {
 }
 
 impl PolishedPlan {
-    /// What was polished of `plan` by `chooser`.
-    pub fn new(problem: &Problem, chooser: &Chooser, plan: &Plan, polished: &Polished) -> Self {
-        let gain = (polished.log_value - polished.grid_log_value).exp();
-        let poses = polished.views.iter().zip(&polished.shares);
-        Self {
-            format: POLISHED_FORMAT.into(),
-            version: POLISHED_VERSION,
-            calipose: env!("CARGO_PKG_VERSION").into(),
-            problem: plan.problem.clone(),
-            criterion: plan.criterion.clone(),
-            count: plan.count,
-            value: chooser.natural(polished.log_value),
-            gain: gain - 1.0,
-            efficiency_by_grid_bound: plan.efficiency * gain,
-            intrinsics: Intrinsics { sigma: polished.sigma.clone(), ..plan.intrinsics.clone() },
-            map_error_px: polished.map_error,
-            cycles: polished.cycles,
-            converged: polished.converged,
-            proven: PROVEN.into(),
-            grid: GridPlan {
-                value: plan.value,
-                bound: plan.bound,
-                efficiency: plan.efficiency,
-                map_error_px: plan.map_error_px,
-                certificate: plan.certificate.clone(),
-            },
-            joints: plan.joints.clone(),
-            poses: poses.map(|(view, &share)| PlannedPose::new(problem, view, share)).collect(),
-        }
-    }
-
     /// The bytes of `polished.json`.
     pub fn to_json(&self) -> String {
         let mut text = serde_json::to_string_pretty(self).unwrap_or_default();

@@ -4,11 +4,10 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
-use super::Survey;
-use super::refine::{PICKS, join, spacings};
+use super::verify::verify;
 use crate::feasibility::{Rejection, View};
-use crate::plan::assess::verify;
-use crate::plan::choose::{Chooser, PlanError};
+use crate::plan::choose::{Chooser, PICKS, PlanError};
+use crate::plan::survey::{Survey, join, spacings};
 use crate::problem::{Goal, Method, PoseConstraints, Problem};
 use crate::sweep::{AxisRule, sweep};
 use crate::target::AxisCase;
