@@ -6,7 +6,7 @@ use std::process::{Command, Output};
 
 use calipose::calibration::Observations;
 use calipose::camera::{Camera, Lens};
-use calipose::formats::{Stated, StatedCamera, read_camera_file, read_detections};
+use calipose::formats::{Known, StatedCamera, read_camera_file, read_detections};
 use calipose::spatial::Pose;
 use calipose::target::Board;
 use calipose::verification::simulate;
@@ -161,7 +161,7 @@ fn a_problem_file_says_board_lens_and_what_to_estimate() {
 fn wrong_detections_are_refused_with_line_and_value() {
     let observations = simulated();
     let text = vnl(&observations);
-    let stated = Stated { board: Some(BOARD), image: Some([1280, 720]), images: None };
+    let known = Known { board: Some(BOARD), image: Some([1280, 720]), images: None };
     let rows: Vec<&str> = text.lines().collect();
     let lines = |lines: &[&str]| lines.join("\n");
     let with = |line: usize, row: &str| {
@@ -210,13 +210,13 @@ fn wrong_detections_are_refused_with_line_and_value() {
         ("no views", edited(&|json| json["views"] = json!([]))),
     ];
     let answers = cases.iter().map(|(name, text)| {
-        let error = read_detections(text, &stated).map(drop).expect_err(name);
+        let error = read_detections(text, &known).map(drop).expect_err(name);
         format!("{name}: {error}")
     });
     let answers: Vec<String> = answers.collect();
     insta::assert_snapshot!(answers.join("\n"));
     for (end, _) in text.char_indices().step_by(997) {
-        let _ = read_detections(&text[..end], &stated);
+        let _ = read_detections(&text[..end], &known);
     }
 }
 
@@ -410,8 +410,8 @@ fn a_recommended_plan_is_not_called_weak() {
 fn weights_are_read_and_levels_are_weights() {
     let observations = simulated();
     let text = vnl(&observations);
-    let stated = Stated { board: Some(BOARD), image: Some([1280, 720]), images: None };
-    let read = |text: &str| read_detections(text, &stated).unwrap().observations;
+    let known = Known { board: Some(BOARD), image: Some([1280, 720]), images: None };
+    let read = |text: &str| read_detections(text, &known).unwrap().observations;
     let levels = read(&text.replace(" 0\n", " 1\n"));
     let weights = read(&text.replace("x y level", "x y weight").replace(" 0\n", " 0.5\n"));
     assert_eq!(levels, weights);
@@ -419,8 +419,8 @@ fn weights_are_read_and_levels_are_weights() {
     assert!(read(&text).views().iter().flatten().all(|corner| corner.weight == 1.0));
     let file = std::fs::read_to_string("tests/data/corners/weights.vnl").unwrap();
     let board = Board { columns: 9, rows: 6, square: 0.025 };
-    let stated = Stated { board: Some(board), image: Some([640, 480]), images: None };
-    assert_eq!(read_detections(&file, &stated).unwrap().names.len(), 25);
+    let known = Known { board: Some(board), image: Some([640, 480]), images: None };
+    assert_eq!(read_detections(&file, &known).unwrap().names.len(), 25);
 }
 
 #[test]
@@ -483,9 +483,9 @@ fn a_hundred_thousand_images_are_read_in_linear_time() {
     for i in 0..100_000 {
         text += &format!("none{i}.png - - -\n");
     }
-    let stated = Stated { board: Some(BOARD), image: Some([1280, 720]), images: None };
+    let known = Known { board: Some(BOARD), image: Some([1280, 720]), images: None };
     let start = std::time::Instant::now();
-    assert_eq!(read_detections(&text, &stated).unwrap().skipped.len(), 100_001);
+    assert_eq!(read_detections(&text, &known).unwrap().skipped.len(), 100_001);
     // A search of all the names for each takes half a minute.
     assert!(start.elapsed().as_secs_f64() < 10.0, "{:?}", start.elapsed());
 }

@@ -10,7 +10,7 @@ use calipose::calibration::{
     Calibration, CalibrationError, CalibrationSettings, Corner, Observations, Ties, View, calibrate,
 };
 use calipose::camera::{Camera, Lens};
-use calipose::formats::{Stated, read_detections_file};
+use calipose::formats::{Known, read_detections_file};
 use calipose::target::Board;
 use nalgebra::Vector2;
 use serde_json::Value;
@@ -136,8 +136,8 @@ struct Real {
 
 fn corners(file: &str, image: [u32; 2]) -> Observations {
     let board = Board { columns: 9, rows: 6, square: 0.025 };
-    let stated = Stated { board: Some(board), image: Some(image), images: None };
-    read_detections_file(&Path::new("tests/data/corners").join(file), &stated).unwrap().observations
+    let known = Known { board: Some(board), image: Some(image), images: None };
+    read_detections_file(&Path::new("tests/data/corners").join(file), &known).unwrap().observations
 }
 
 fn real_views() -> Vec<Real> {
@@ -211,7 +211,7 @@ fn a_rational_lens_converges_on_real_views_or_is_refused_for_a_reason_that_is_op
 #[test]
 fn the_optimum_of_a_rational_lens_is_known_for_one() {
     let file = Path::new("tests/data/corners/rational-at-the-optimum.json");
-    let observations = read_detections_file(file, &Stated::default()).unwrap().observations;
+    let observations = read_detections_file(file, &Known::default()).unwrap().observations;
     let mut θ = [0.0; 12];
     θ[..2].fill(1.0);
     let nominal = Camera::new(Lens::Rational, observations.width(), observations.height(), &θ).unwrap();

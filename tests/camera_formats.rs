@@ -209,6 +209,7 @@ fn what_cannot_be_read_is_named_with_what_to_do() {
         "%YAML:1.0\nCamera.type: \"PinHole\"\nCamera.fx: 500.0\n".into(),
         "{\"value0\": {\"intrinsics\": [{\"camera_type\": \"ds\"}]}}".into(),
         "%YAML:1.0\n---\nK: [500, 0, 320, 0, 500, 240, 0, 0, 1]\nD: [0, 0, 0, 0]\nxi: 1.5\n".into(),
+        file("opencv.xml").replace("</opencv_storage>", "<xi>1.5</xi></opencv_storage>"),
         kalibr.replace("camera_model: pinhole", "camera_model: omni"),
         kalibr.replace("camera_model: pinhole", "camera_model: ds"),
         kalibr.replace("camera_model: pinhole", "camera_model: eucm"),

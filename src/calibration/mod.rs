@@ -33,7 +33,7 @@ pub use zhang::{Pinhole, pose_of_homography};
 
 use thiserror::Error;
 
-use crate::camera::{Camera, CameraError, Lens, MAX_INTRINSICS};
+use crate::camera::{Camera, CameraError, MAX_INTRINSICS};
 use refinement::Sought;
 
 /// How to calibrate.
@@ -234,11 +234,9 @@ pub fn calibrate(
 
 /// Whether a denominator of the radial distortion is among the `estimated`.
 fn is_rational(camera: &Camera, estimated: &[usize]) -> bool {
-    camera.lens() == Lens::Rational && estimated.iter().any(|j| DENOMINATOR.contains(j))
+    let denominator = camera.lens().denominator();
+    estimated.iter().any(|j| denominator.contains(j))
 }
-
-/// `k4 k5 k6` of [`Lens::Rational`].
-const DENOMINATOR: std::ops::Range<usize> = 9..12;
 
 fn level(camera: &mut Camera, ties: &Ties) {
     let mut θ = [0.0; MAX_INTRINSICS];
@@ -254,7 +252,8 @@ fn one_to_one(
     estimated: &[usize],
     settings: &CalibrationSettings,
 ) -> Option<Calibration> {
-    let plain: Vec<usize> = estimated.iter().copied().filter(|j| !DENOMINATOR.contains(j)).collect();
+    let denominator = start.camera.lens().denominator();
+    let plain: Vec<usize> = estimated.iter().copied().filter(|j| !denominator.contains(j)).collect();
     let sought = Sought { estimated: &plain, ties: &settings.ties, one_to_one: false };
     let mut plain = refinement::refine(observations, start, sought, &settings.refinement).start;
     plain.camera = plain.camera.with_intrinsics(plain.camera.intrinsics()).ok()?;
@@ -318,8 +317,7 @@ fn check_problem(observations: &Observations, camera: &Camera, estimated: &[usiz
     let needed = pinhole_parameters.div_ceil(2);
     // The image of a plane by a lens that bends it is no homography, and says more than the eight numbers of one.
     let bends = (4..count).any(|j| estimated.contains(&j) || camera.intrinsics()[j] != 0.0);
-    let is_fisheye = camera.lens() == Lens::KannalaBrandt;
-    if found < needed && !bends && !is_fisheye {
+    if found < needed && !bends && !camera.lens().is_fisheye() {
         return Err(CalibrationError::TooFewViews { found, needed, pinhole_parameters });
     }
     let (measured, unknown) = (2 * observations.corner_count(), estimated.len() + 6 * found);

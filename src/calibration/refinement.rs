@@ -5,7 +5,7 @@ use super::normal_equations::{Measurement, Measurements, NormalEquations, Step};
 use super::observations::Observations;
 use super::start::Start;
 use super::ties::Ties;
-use crate::camera::{Camera, Lens, MAX_INTRINSICS};
+use crate::camera::{Camera, MAX_INTRINSICS};
 use crate::spatial::perturb;
 
 /// How to refine.
@@ -56,7 +56,7 @@ pub(super) struct Refined {
 /// and denominator nearly cancel, no step resolves 1e-5 of it.
 const NEGLIGIBLE: f64 = 1e-3;
 
-/// By how much more iterations a rational lens may take.
+/// How many times the iterations a lens with a denominator may take.
 const VALLEY: usize = 10;
 
 /// Steps that move all the corners together by less than this, px, are rounding.
@@ -122,7 +122,7 @@ fn refine_sized<const P: usize>(
     let mut growth = GROWTH;
     let mut last_decrement = f64::INFINITY;
     let mut convergence = Convergence { converged: false, iterations: 0, cost, decrement: f64::INFINITY };
-    let most = if camera.lens() == Lens::Rational { VALLEY } else { 1 }.saturating_mul(settings.max_iterations);
+    let most = if camera.lens().denominator().is_empty() { 1 } else { VALLEY }.saturating_mul(settings.max_iterations);
     while convergence.iterations < most && λ < HOPELESS_DAMPING && cost.is_finite() {
         // A step's length in residuals over their deviation is its length in deviations of the estimate.
         let negligible = (settings.tolerance.powi(2) * cost / excess).max(ROUNDING * ROUNDING);

@@ -6,7 +6,7 @@ use super::CalibrationError;
 use super::homography::homography;
 use super::observations::Observations;
 use super::zhang::{Pinhole, pose_of_homography};
-use crate::camera::{Camera, Lens, MAX_INTRINSICS};
+use crate::camera::{Camera, MAX_INTRINSICS};
 use crate::spatial::Pose;
 
 /// A camera and the poses `X_CT` of the board in it, one a view.
@@ -43,7 +43,7 @@ const VIRTUAL_HALF_ANGLE: f64 = 0.2;
 pub fn start(observations: &Observations, nominal: &Camera, estimated: &[usize]) -> Result<Start, CalibrationError> {
     crate::calibration::check_problem(observations, nominal, estimated)?;
     let unknown = Unknown::new(observations, nominal, estimated);
-    if nominal.lens() == Lens::KannalaBrandt { unknown.by_focal_ladder() } else { unknown.by_closed_form() }
+    if nominal.lens().is_fisheye() { unknown.by_focal_ladder() } else { unknown.by_closed_form() }
 }
 
 /// The board's pose `X_CT` in view `view` of `observations` for a known camera, from the homography of its corners; `None` where
@@ -123,8 +123,11 @@ impl<'a> Unknown<'a> {
             .enumerate()
             .map(|(view, H)| pose_of_homography(&(K_inverse * H)).ok_or(CalibrationError::NoStart { view }));
         let poses = poses.collect::<Result<Vec<_>, _>>()?;
-        if self.nominal.lens() != Lens::Pinhole && self.is_estimated[4] && self.is_estimated[5] {
-            [θ[4], θ[5]] = self.radial_distortion(&θ, &poses);
+        if let Some([k1, k2]) = self.nominal.lens().radial_polynomial()
+            && self.is_estimated[k1]
+            && self.is_estimated[k2]
+        {
+            [θ[k1], θ[k2]] = self.radial_distortion(&θ, &poses);
         }
         Ok(Start { camera: self.nominal.extrapolated(&θ), poses })
     }

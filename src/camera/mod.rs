@@ -3,12 +3,13 @@
 //! Frame **C** has x to the right, y down and z forward, as in OpenCV. Pixel (0, 0) is the centre of the top-left
 //! pixel. The intrinsic parameters θ are `fx fy cx cy` in pixels, then the lens's coefficients in OpenCV's order.
 
+mod error;
 mod lens;
 
+pub use error::CameraError;
 pub use lens::Lens;
 
 use nalgebra::{Matrix2x3, Point3, SMatrix, Unit, Vector2, Vector3};
-use thiserror::Error;
 
 /// Parameters of the largest camera model: `fx fy cx cy` and the eight coefficients of [`Lens::Rational`].
 pub const MAX_INTRINSICS: usize = 12;
@@ -20,6 +21,15 @@ const COVERAGE_CELLS: u32 = 64;
 pub type IntrinsicsJacobian = SMatrix<f64, 2, MAX_INTRINSICS>;
 
 /// A calibrated camera.
+///
+/// ```
+/// use calipose::camera::{Camera, Lens};
+/// use nalgebra::{Point3, Vector2};
+///
+/// let camera = Camera::new(Lens::Pinhole, 1280, 720, &[900.0, 900.0, 639.5, 359.5])?;
+/// assert_eq!(camera.project(&Point3::new(0.1, 0.0, 1.0)), Some(Vector2::new(729.5, 359.5)));
+/// # Ok::<(), calipose::camera::CameraError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
     lens: Lens,
@@ -40,45 +50,6 @@ pub struct Projection {
     pub by_point: Matrix2x3<f64>,
     /// `∂(u, v)/∂θ`, px per unit of each parameter.
     pub by_intrinsics: IntrinsicsJacobian,
-}
-
-/// Why a set of numbers is not a camera.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum CameraError {
-    /// The image has no pixels.
-    #[error("the image is {width} x {height} px; both sides must be at least 1 px")]
-    EmptyImage {
-        /// Image width given.
-        width: u32,
-        /// Image height given.
-        height: u32,
-    },
-    /// The number of parameters is not the model's.
-    #[error("the {lens} model has {expected} intrinsic parameters, {found} are given")]
-    ParameterCount {
-        /// Name of the lens model.
-        lens: &'static str,
-        /// Parameters of the model, fx fy cx cy included.
-        expected: usize,
-        /// Parameters given.
-        found: usize,
-    },
-    /// A parameter is NaN or infinite.
-    #[error("{name} is {value}; it must be a finite number")]
-    NotFinite {
-        /// The parameter.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-    },
-    /// A focal length is not positive.
-    #[error("{name} is {value} px; a focal length must be positive")]
-    FocalLength {
-        /// `fx` or `fy`.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-    },
 }
 
 impl Camera {
@@ -158,9 +129,6 @@ impl Camera {
     /// The share of the picture's area that the lens reaches: beyond the image circle of a fisheye, or the fold of another lens, there
     /// is no direction that a pixel sees. Counted on a grid, to a hundredth or so.
     pub fn coverage(&self) -> f64 {
-        if self.lens == Lens::Pinhole {
-            return 1.0;
-        }
         let (width, height) = (f64::from(self.width), f64::from(self.height));
         let cell = width.max(height) / f64::from(COVERAGE_CELLS);
         let (columns, rows) = ((width / cell).ceil() as u32, (height / cell).ceil() as u32);
@@ -221,15 +189,8 @@ mod tests {
 
     fn cameras() -> Vec<Camera> {
         let focal = [1000.0, 990.0, 641.0, 362.0];
-        [
-            (Lens::Pinhole, vec![]),
-            (Lens::BrownConrady, vec![-0.2, 0.05, 1e-3, -2e-3, 0.01]),
-            (Lens::Rational, vec![-0.012, 0.036, -2.5e-4, 5.3e-4, 0.0197, 0.0148, -0.0562, 0.05]),
-            (Lens::KannalaBrandt, vec![-0.02, 0.01, -0.004, 0.001]),
-        ]
-        .into_iter()
-        .map(|(lens, coefficients)| Camera::new(lens, 1280, 720, &[&focal[..], &coefficients].concat()).unwrap())
-        .collect()
+        let camera = |lens: Lens| Camera::new(lens, 1280, 720, &[&focal[..], lens.typical()].concat()).unwrap();
+        Lens::ALL.map(camera).to_vec()
     }
 
     proptest! {
@@ -272,7 +233,7 @@ mod tests {
 
     #[test]
     fn points_behind_the_camera_or_beyond_the_fold_have_no_pixel() {
-        for camera in &cameras()[..3] {
+        for camera in cameras().iter().filter(|camera| !camera.lens().is_fisheye()) {
             assert_eq!(camera.project(&Point3::new(0.1, 0.0, -1.0)), None);
         }
         // r(1 − 0.2 r²) turns back at r = √(1/0.6) = 1.291.

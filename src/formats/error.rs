@@ -94,7 +94,7 @@ pub enum ReadFault {
         /// The name found.
         found: String,
         /// The names that are supported.
-        supported: &'static str,
+        supported: String,
         /// What it is, and what to do; empty where that is not known.
         instead: &'static str,
     },
@@ -107,10 +107,11 @@ pub enum ReadFault {
         instead: &'static str,
     },
     /// A file in which nothing belongs to a camera.
-    #[error(
-        "there is no camera in it; read are ROS camera_info, OpenCV FileStorage (YAML, XML, JSON), Kalibr camchains and mrcal cameramodels"
-    )]
-    NoCamera,
+    #[error("there is no camera in it; read are {read}")]
+    NoCamera {
+        /// The files that are read.
+        read: String,
+    },
     /// A coefficient beyond those of the lens model.
     #[error("`{key}` is {}: {model} has no such coefficient{}", plain(*value), after(instead))]
     Coefficient {

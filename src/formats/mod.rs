@@ -17,8 +17,10 @@
 
 mod camera;
 mod detections;
+mod disk;
 mod error;
 mod file;
+mod image_size;
 mod mesh;
 mod number;
 mod tree;
@@ -26,9 +28,10 @@ mod urdf;
 mod xml;
 
 pub use camera::{CameraFormat, StatedCamera, WriteError, read_camera};
-pub use detections::{Detections, Stated, read_detections};
+pub use detections::{Detections, Known, read_detections};
+pub use disk::DiskError;
+pub(crate) use disk::read_at_most;
 pub use error::{ReadError, ReadFault};
-pub(crate) use file::read_at_most;
 pub use file::{
     FileReadError, outline_urdf_file, read_camera_file, read_detections_file, read_srdf_file, read_urdf_file,
 };

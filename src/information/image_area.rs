@@ -180,15 +180,10 @@ mod tests {
     fn the_rule_has_converged() {
         use crate::information::Unknowns;
         let focal = [1000.0, 990.0, 641.0, 362.0];
-        let lenses: [(Lens, &[f64], f64); 5] = [
-            (Lens::Pinhole, &[], 1e-11),
-            (Lens::BrownConrady, &[-0.2, 0.05, 1e-3, -2e-3, 0.01], 1e-11),
-            (Lens::Rational, &[-0.012, 0.036, -2.5e-4, 5.3e-4, 0.0197, 0.0148, -0.0562, 0.05], 1e-11),
-            (Lens::KannalaBrandt, &[-0.02, 0.01, -0.004, 0.001], 1e-11),
-            // Turns back at 0.86 rad, 573 px from the principal point.
-            (Lens::KannalaBrandt, &[-0.45, 0.0, 0.0, 0.0], 3e-5),
-        ];
-        for (lens, coefficients, tolerance) in lenses {
+        // Turns back at 0.86 rad, 573 px from the principal point.
+        let folding: (Lens, &[f64], f64) = (Lens::KannalaBrandt, &[-0.45, 0.0, 0.0, 0.0], 3e-5);
+        let lenses = Lens::ALL.into_iter().map(|lens| (lens, lens.typical(), 1e-11));
+        for (lens, coefficients, tolerance) in lenses.chain([folding]) {
             let camera = camera(lens, &[&focal[..], coefficients].concat());
             let estimated: Vec<usize> = (0..camera.intrinsics().len()).collect();
             let W = |order| Unknowns { camera: &camera, estimated: &estimated }.weight_over(&of_order(&camera, order));

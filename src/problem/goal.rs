@@ -50,6 +50,11 @@ pub enum Accuracy {
     Intrinsic(usize),
 }
 
+impl Accuracy {
+    /// What the map error is called where intrinsics have their names.
+    pub const MAP_ERROR: &'static str = "map_error_px";
+}
+
 impl Goal {
     /// What the accuracies are called where criteria have their names.
     pub const ACCURACY: &'static str = "accuracy";

@@ -3,6 +3,7 @@
 //! A problem file is TOML. [`schema_json`] describes its keys, [`STARTER`] is one to start from, [`Problem::read`] checks
 //! one and builds the models. Everything wrong with a file is a [`Fault`] with its line, column and key.
 
+mod builder;
 mod constraints;
 mod draft;
 mod fault;
@@ -13,6 +14,7 @@ mod resolve;
 mod schema;
 mod text;
 
+pub use builder::ProblemBuilder;
 pub use constraints::{JointRegion, PoseConstraints, PoseGroup};
 pub use draft::{DraftError, draft};
 pub use fault::{Allowed, Fault, ProblemError, Reason};

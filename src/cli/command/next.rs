@@ -13,7 +13,7 @@ use crate::cli::output::collision::untested_text;
 use crate::cli::output::failure::Failure;
 use crate::cli::output::verdict::Verdict;
 use crate::cli::output::{Screen, short, table};
-use crate::formats::{Stated, read_detections_file};
+use crate::formats::{Known, read_detections_file};
 use crate::plan::assess::{Proposal, Wish, next};
 use crate::plan::results::{add_results, probe};
 
@@ -71,13 +71,13 @@ pub(crate) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<Verd
     let folder = arguments.plan.parent().unwrap_or(Path::new(""));
     probe(folder)?;
     let path = &arguments.observations;
-    let stated = Stated {
+    let known = Known {
         board: Some(problem.target.board),
         image: Some([problem.camera.width(), problem.camera.height()]),
         images: arguments.images.clone(),
     };
     let detections =
-        read_detections_file(path, &stated).map_err(|error| Failure::Observations { path: path.clone(), error })?;
+        read_detections_file(path, &known).map_err(|error| Failure::Observations { path: path.clone(), error })?;
     let calibration =
         calibrate(&detections.observations, &problem.camera, &problem.estimated, &CalibrationSettings::default())
             .map_err(|error| Failure::Calibration {

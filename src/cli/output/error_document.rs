@@ -7,7 +7,7 @@ use miette::Diagnostic;
 use serde_json::{Value, json};
 
 use super::failure::Failure;
-use crate::formats::FileReadError;
+use crate::formats::{DiskError, FileReadError};
 use crate::problem::{Fault, ProblemError, Reason};
 
 /// The document that stands on stderr in place of the drawn error.
@@ -101,7 +101,7 @@ fn value_and_allowed(reason: &Reason) -> (Value, Value) {
 /// Line in a file of another format, where its reader tells.
 fn line(error: &FileReadError) -> Option<usize> {
     match error {
-        FileReadError::Encoding { line } => Some(*line),
+        FileReadError::Disk(DiskError::Encoding { line }) => Some(*line),
         FileReadError::Content(error) => Some(error.line),
         _ => None,
     }

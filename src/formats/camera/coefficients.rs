@@ -39,7 +39,8 @@ pub(super) fn of_lens(lens: Lens, model: &str, list: &Matrix) -> Result<Vec<Loca
 fn instead(lens: Lens, i: usize) -> &'static str {
     match lens {
         Lens::Pinhole => "name the lens model that they are of",
-        Lens::KannalaBrandt => "",
+        // Only models that begin as OpenCV's do can go on as those.
+        _ if lens.radial_polynomial().is_none() => "",
         _ if i >= FIRST_OF_THIN_PRISM => THIN_PRISM,
         _ => "if they are of OpenCV's rational model, name that (ROS: rational_polynomial)",
     }

@@ -1,13 +1,37 @@
 //! ROS `CameraInfo` in YAML: the file that `camera_calibration_parsers` reads and writes, and the message as `topic echo` prints it.
 
 use super::coefficients;
+use super::format::{Export, Import, WriteError};
+use super::intrinsics;
+use super::lens_names::LensNames;
 use super::matrix::{Matrix, camera_matrix};
-use super::unsupported;
-use super::{StatedCamera, checked, chosen, image_side};
+use super::stated::StatedCamera;
 use crate::camera::{Camera, Lens};
 use crate::formats::error::{ReadError, ReadFault};
+use crate::formats::image_size;
 use crate::formats::number::list;
 use crate::formats::tree::Node;
+
+const NAME: &str = "ros";
+
+pub(super) const EXPORT: Export = Export { name: NAME, file_name: "camera_info.yaml", write };
+
+pub(super) const IMPORT: Import =
+    Import { files: "ROS camera_info", recognises: |root| root.get(MODEL).is_some(), read };
+
+const LENSES: LensNames<5> = LensNames {
+    format: NAME,
+    names: [
+        (PLUMB_BOB, Lens::BrownConrady),
+        ("rational_polynomial", Lens::Rational),
+        ("equidistant", Lens::KannalaBrandt),
+        ("fisheye", Lens::KannalaBrandt),
+        ("none", Lens::Pinhole),
+    ],
+};
+
+/// ROS has no model without distortion; this one without coefficients means that to its tools.
+const PLUMB_BOB: &str = "plumb_bob";
 
 // Each key of the file, then those of the message in ROS 2 and ROS 1.
 const WIDTH: [&str; 2] = ["image_width", "width"];
@@ -16,18 +40,13 @@ const CAMERA_MATRIX: [&str; 3] = ["camera_matrix", "k", "K"];
 const COEFFICIENTS: [&str; 3] = ["distortion_coefficients", "d", "D"];
 const MODEL: &str = "distortion_model";
 
-/// ROS has no model without distortion; a `plumb_bob` without coefficients means that to its tools.
-pub(super) fn write(camera: &Camera) -> String {
+fn write(camera: &Camera) -> Result<String, WriteError> {
     let (θ, width, height) = (camera.intrinsics(), camera.width(), camera.height());
-    let model = match camera.lens() {
-        Lens::Pinhole | Lens::BrownConrady => "plumb_bob",
-        Lens::Rational => "rational_polynomial",
-        Lens::KannalaBrandt => "equidistant",
-    };
+    let model = if camera.lens() == Lens::Pinhole { PLUMB_BOB } else { LENSES.of(camera.lens())? };
     let matrix = |key: &str, rows: usize, data: &[f64]| {
         format!("{key}:\n  rows: {rows}\n  cols: {}\n  data: {}\n", data.len() / rows, list(data))
     };
-    [
+    Ok([
         format!("image_width: {width}\nimage_height: {height}\ncamera_name: camera\n"),
         matrix("camera_matrix", 3, &camera_matrix(θ)),
         format!("{MODEL}: {model}\n"),
@@ -35,18 +54,13 @@ pub(super) fn write(camera: &Camera) -> String {
         matrix("rectification_matrix", 3, &camera_matrix(&[1.0, 1.0, 0.0, 0.0])),
         matrix("projection_matrix", 3, &[θ[0], 0.0, θ[2], 0.0, 0.0, θ[1], θ[3], 0.0, 0.0, 0.0, 1.0, 0.0]),
     ]
-    .concat()
+    .concat())
 }
 
-/// Whether `root` has what only a `CameraInfo` has.
-pub(super) fn is_camera_info(root: &Node) -> bool {
-    root.get(MODEL).is_some()
-}
-
-pub(super) fn read(root: &Node, stated: &StatedCamera) -> Result<Camera, ReadError> {
-    chosen(&[(String::new(), root)], stated, root.line)?;
+fn read(root: &Node, stated: &StatedCamera) -> Result<Camera, ReadError> {
+    stated.choose(&[(String::new(), root)], root.line)?;
     let side = |keys: &[&'static str; 2]| match root.first_of(keys) {
-        Some((key, node)) => Ok((image_side(node, key)?, node.line)),
+        Some((key, node)) => Ok((image_size::side(node, key)?, node.line)),
         None => Err(ReadFault::Missing { key: keys[0].to_owned() }.at(root.line)),
     };
     let ((width, line), (height, _)) = (side(&WIDTH)?, side(&HEIGHT)?);
@@ -57,18 +71,12 @@ pub(super) fn read(root: &Node, stated: &StatedCamera) -> Result<Camera, ReadErr
     let model = node.text(&MODEL)?;
     let listed = Matrix::read(root, &COEFFICIENTS)?;
     let lens = match (model, listed.entries.len()) {
-        ("plumb_bob", 0) | ("none" | "", _) => Lens::Pinhole,
-        ("plumb_bob", _) => Lens::BrownConrady,
-        ("rational_polynomial", _) => Lens::Rational,
-        ("equidistant" | "fisheye", _) => Lens::KannalaBrandt,
-        (other, _) => {
-            let supported = "plumb_bob, rational_polynomial, equidistant, fisheye, none";
-            return Err(unsupported::model(MODEL, other, supported, node.line));
-        }
+        (PLUMB_BOB, 0) | ("", _) => Lens::Pinhole,
+        _ => LENSES.lens(MODEL, model, node.line)?,
     };
     let model = if model.is_empty() { "an empty model" } else { model };
     θ.extend(coefficients::of_lens(lens, model, &listed)?);
-    checked(lens, size, &θ)
+    intrinsics::camera(lens, size, &θ)
 }
 
 /// That the message's images are those that its calibration is of: neither binned nor cut.

@@ -16,7 +16,7 @@ pub(super) const THIN_PRISM: &str = "thin prisms and tilted sensors are not supp
 const OF_MRCAL: &str = "`mrcal-convert-lensmodel LENSMODEL_OPENCV8 FILE` fits one of them to it";
 
 /// The fault of a lens model that is none of those `supported`.
-pub(super) fn model(key: &str, found: &str, supported: &'static str, line: usize) -> ReadError {
+pub(super) fn model(key: &str, found: &str, supported: String, line: usize) -> ReadError {
     let instead = match found.to_lowercase().replace('-', "_").as_str() {
         "omni" | "mei" | "ucm" | "unified" | "omnidirectional" => UNIFIED,
         "ds" | "double_sphere" => DOUBLE_SPHERE,

@@ -2,9 +2,10 @@
 
 use nalgebra::Vector2;
 
-use super::{Detected, LARGEST_PIXEL, Seen};
-use crate::formats::camera::image_side;
+use super::known::Known;
+use super::listed_image::{Detected, LARGEST_PIXEL, ListedImage, ListedImages};
 use crate::formats::error::{ReadError, ReadFault};
+use crate::formats::image_size;
 use crate::formats::tree;
 use crate::formats::tree::Node;
 use crate::target::Board;
@@ -13,14 +14,8 @@ const FORMAT: &str = "calipose.observations";
 /// Most corners along one side, as in problem files.
 const MOST_CORNERS: u32 = 1000;
 
-/// Board, image size and images; with the lines of the first two.
-pub(super) struct File {
-    pub(super) board: (Board, usize),
-    pub(super) image: ([u32; 2], usize),
-    pub(super) views: Vec<Seen>,
-}
-
-pub(super) fn read(text: &str) -> Result<File, ReadError> {
+/// The images of the file.
+pub(super) fn read(text: &str, known: &Known) -> Result<ListedImages, ReadError> {
     let root = tree::parse(text)?;
     let format = root.require("", "format")?;
     let name = format.text(&"format")?;
@@ -34,16 +29,20 @@ pub(super) fn read(text: &str) -> Result<File, ReadError> {
     let (columns, rows) = (side("columns")? as usize, side("rows")? as usize);
     let key = "board.square_mm";
     let square = stated.require("board.", "square_mm")?.number(&key)?.between(&key, 1e-3, 1e6)? / 1e3;
-    let board = (Board { columns, rows, square }, stated.line);
+    let board = Board { columns, rows, square };
     let size = root.require("", "image")?;
-    let side = |key: &str| image_side(size.require("image.", key)?, &format!("image.{key}"));
-    let image = ([side("width_px")?, side("height_px")?], size.line);
+    let side = |key: &str| image_size::side(size.require("image.", key)?, &format!("image.{key}"));
+    let found = [side("width_px")?, side("height_px")?];
     let list = root.require("", "views")?.list(&"views")?;
-    let views = list.iter().enumerate().map(|(i, node)| view(node, i, &board.0)).collect::<Result<_, _>>()?;
-    Ok(File { board, image, views })
+    let images = list.iter().enumerate().map(|(i, node)| view(node, i, &board)).collect::<Result<_, _>>()?;
+    Ok(ListedImages {
+        board: known.board(Some(board), stated.line)?,
+        size: known.image_size(Some(found), size.line)?,
+        images,
+    })
 }
 
-fn view(node: &Node, i: usize, board: &Board) -> Result<Seen, ReadError> {
+fn view(node: &Node, i: usize, board: &Board) -> Result<ListedImage, ReadError> {
     let within = format!("views[{i}].");
     let name = match node.get("name") {
         Some(name) => name.text(&format_args!("{within}name"))?.to_owned(),
@@ -74,5 +73,5 @@ fn view(node: &Node, i: usize, board: &Board) -> Result<Seen, ReadError> {
         Ok((Some(Detected { pixel: Vector2::new(u, v), weight: 1.0 }), corner.line))
     };
     let corners = corners.iter().enumerate().map(pixel).collect::<Result<_, ReadError>>()?;
-    Ok(Seen { name, line: node.line, corners })
+    Ok(ListedImage { name, line: node.line, corners })
 }

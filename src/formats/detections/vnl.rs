@@ -9,7 +9,8 @@ use std::collections::HashSet;
 
 use nalgebra::Vector2;
 
-use super::{Detected, LARGEST_PIXEL, Seen};
+use super::known::Known;
+use super::listed_image::{Detected, LARGEST_PIXEL, ListedImage, ListedImages};
 use crate::formats::error::{ReadError, ReadFault};
 use crate::formats::tree::Located;
 use crate::target::Board;
@@ -28,14 +29,20 @@ enum Trust {
     Weight,
 }
 
+/// The images of the file, which states neither board nor image size.
+pub(super) fn read(text: &str, known: &Known) -> Result<ListedImages, ReadError> {
+    let (board, size) = (known.board(None, 1)?, known.image_size(None, 1)?);
+    Ok(ListedImages { board, size, images: table(text, &board)? })
+}
+
 /// The images of the table.
-pub(super) fn read(text: &str, board: &Board) -> Result<Vec<Seen>, ReadError> {
+fn table(text: &str, board: &Board) -> Result<Vec<ListedImage>, ReadError> {
     let last_line = text.lines().count().max(1);
     if text.trim().is_empty() {
         return Err(ReadFault::Empty.at(last_line));
     }
     let mut trust: Option<Trust> = None;
-    let mut images: Vec<Seen> = Vec::new();
+    let mut images: Vec<ListedImage> = Vec::new();
     let mut names = HashSet::new();
     for (line, row) in text.lines().enumerate().map(|(i, row)| (i + 1, row.trim())) {
         // `#` begins the header, once; `##` and `#!` are comments anywhere.
@@ -49,7 +56,7 @@ pub(super) fn read(text: &str, board: &Board) -> Result<Vec<Seen>, ReadError> {
                     if !names.insert(name) {
                         return Err(ReadFault::Repeated { name: name.to_owned() }.at(line));
                     }
-                    images.push(Seen { name: name.to_owned(), line, corners: Vec::new() });
+                    images.push(ListedImage { name: name.to_owned(), line, corners: Vec::new() });
                 }
                 let corner = corner(&cells, trust, line)?;
                 if let Some(image) = images.last_mut() {

@@ -15,14 +15,14 @@ use std::path::Path;
 use nalgebra::Point3;
 use thiserror::Error;
 
-use super::file::{FileReadError, bytes};
+use super::disk::{DiskError, bytes};
 
 /// Why a mesh has no vertices.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum MeshError {
     /// The file could not be read.
     #[error(transparent)]
-    File(#[from] Box<FileReadError>),
+    Disk(#[from] DiskError),
     /// The extension is of no format that is read.
     #[error("the extension is \"{found}\"; STL, OBJ and DAE are read")]
     Extension {
@@ -70,13 +70,20 @@ impl MeshError {
 
 /// The different vertices of the mesh at `path`, in m.
 ///
+/// ```no_run
+/// use std::path::Path;
+///
+/// let vertices = calipose::formats::read_mesh(Path::new("meshes/forearm.stl"))?;
+/// # Ok::<(), calipose::formats::MeshError>(())
+/// ```
+///
 /// # Errors
 /// When the file cannot be read, is of an unknown format, or has too few vertices.
 pub fn read_mesh(path: &Path) -> Result<Vec<Point3<f64>>, MeshError> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     let contents = || match bytes(path) {
         Ok(contents) if contents.starts_with(b"version https://git-lfs.github.com/spec/") => Err(MeshError::LfsPointer),
-        contents => Ok(contents.map_err(Box::new)?),
+        contents => Ok(contents?),
     };
     let mut points = match extension.as_str() {
         "stl" => stl::vertices(&contents()?)?,

@@ -52,6 +52,20 @@ pub struct Description {
 ///
 /// Links come parents first, otherwise as in the file. The limits of a joint that mimics another are not looked at.
 ///
+/// ```
+/// use std::path::Path;
+///
+/// use calipose::formats::read_urdf;
+///
+/// let text = r#"<robot name="arm"><link name="base"/><link name="hand"/>
+///     <joint name="shoulder" type="revolute"><parent link="base"/><child link="hand"/><axis xyz="0 0 1"/>
+///         <limit lower="-1" upper="2" effort="1" velocity="1"/></joint></robot>"#;
+/// let robot = read_urdf(text, Path::new(""), &[])?;
+/// assert_eq!(robot.name, "arm");
+/// assert_eq!(robot.mechanism.tree.links.len(), 2);
+/// # Ok::<(), calipose::formats::UrdfError>(())
+/// ```
+///
 /// # Errors
 /// When the text is not the URDF of a tree of links, or a mesh cannot be read.
 pub fn read_urdf(text: &str, folder: &Path, package_folders: &[PathBuf]) -> Result<Description, UrdfError> {
@@ -71,6 +85,15 @@ pub struct Outline {
 }
 
 /// As [`read_urdf`], without the robot's bodies and so without its meshes.
+///
+/// ```
+/// use calipose::formats::outline_urdf;
+///
+/// let text = r#"<robot name="rock"><link name="base">
+///     <collision><geometry><mesh filename="package://rock/base.stl"/></geometry></collision></link></robot>"#;
+/// assert_eq!(outline_urdf(text)?.meshes, ["package://rock/base.stl"]);
+/// # Ok::<(), calipose::formats::UrdfError>(())
+/// ```
 ///
 /// # Errors
 /// When the text is not the URDF of a tree of links.

@@ -10,6 +10,21 @@ use crate::robot::Tree;
 /// The pairs of links of `tree` that an SRDF's `<disable_collisions>` name, as [`Tree::disabled`] has them. Pairs with links that
 /// the tree does not have, such as those of a gripper that is not mounted, are left out and noted.
 ///
+/// ```
+/// use std::path::Path;
+///
+/// use calipose::formats::{read_srdf, read_urdf};
+///
+/// let urdf = r#"<robot name="arm"><link name="base"/><link name="hand"/>
+///     <joint name="weld" type="fixed"><parent link="base"/><child link="hand"/></joint></robot>"#;
+/// let srdf = r#"<robot name="arm"><disable_collisions link1="hand" link2="base" reason="Adjacent"/></robot>"#;
+/// let tree = read_urdf(urdf, Path::new(""), &[])?.mechanism.tree;
+/// let (pairs, notes) = read_srdf(srdf, &tree)?;
+/// assert_eq!(pairs, [[0, 1]]);
+/// assert!(notes.is_empty());
+/// # Ok::<(), calipose::formats::UrdfError>(())
+/// ```
+///
 /// # Errors
 /// When the text is not SRDF, or has pairs but none of this robot.
 pub fn read_srdf(text: &str, tree: &Tree) -> Result<(Vec<[usize; 2]>, Vec<UrdfNote>), UrdfError> {

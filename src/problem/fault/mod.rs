@@ -370,7 +370,7 @@ impl Fault {
                 ReadFault::Mismatch { .. } => "does not agree".into(),
                 ReadFault::UnknownCamera { .. } => "must name a camera of the file".into(),
                 ReadFault::NotStated { .. } | ReadFault::SeveralCameras { .. } => "leaves this open".into(),
-                ReadFault::OtherFormat { .. } | ReadFault::NoCamera => "names a file that is not read".into(),
+                ReadFault::OtherFormat { .. } | ReadFault::NoCamera { .. } => "names a file that is not read".into(),
                 _ => format!("names a file with an error in line {}", error.line),
             },
             Reason::CameraFile { .. } => "must name a camera file".into(),

@@ -19,10 +19,7 @@ const COEFFICIENT: Allowed = Allowed::between(-1e6, 1e6);
 /// The share of the picture that a lens has to reach. The image circle of a fisheye may end far inside it. Other lenses fill their
 /// pictures: a model that folds back within the inner half is not of the camera that took them.
 fn least_coverage(lens: Lens) -> f64 {
-    match lens {
-        Lens::KannalaBrandt => 0.1,
-        Lens::Pinhole | Lens::BrownConrady | Lens::Rational => 0.5,
-    }
+    if lens.is_fisheye() { 0.1 } else { 0.5 }
 }
 
 /// The key that is to be changed where a camera file gives `error`.

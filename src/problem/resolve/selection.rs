@@ -16,9 +16,6 @@ use crate::robot::{Joint, JointKind, Limits};
 /// Number of poses where the file does not say.
 const DEFAULT_COUNT: usize = 10;
 
-/// Key of the map error among the accuracies.
-const MAP_ERROR: &str = "map_error_px";
-
 /// Standard deviations wished for: far from any that can be had, but such that their squares are numbers.
 const WISHED: Allowed = Allowed::between(1e-9, 1e9);
 
@@ -108,12 +105,13 @@ impl Check<'_, '_> {
         for (name, &sigma) in wished {
             let key = path.key(name);
             let sigma = self.number(&key, sigma, WISHED);
-            if name == MAP_ERROR {
+            if name == Accuracy::MAP_ERROR {
                 accuracies.push((Accuracy::MapError, sigma));
             } else if let Some(j) = estimated.iter().position(|known| known == name) {
                 accuracies.push((Accuracy::Intrinsic(j), sigma));
             } else {
-                let allowed = std::iter::once(&MAP_ERROR).chain(estimated).map(|&name| name.to_owned()).collect();
+                let allowed =
+                    std::iter::once(&Accuracy::MAP_ERROR).chain(estimated).map(|&name| name.to_owned()).collect();
                 self.fault(&key, Reason::UnknownName { name: name.clone(), allowed });
             }
         }

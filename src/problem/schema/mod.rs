@@ -26,7 +26,7 @@ use crate::robot::dh::Convention;
 use crate::sweep::AxisRule;
 
 /// A calibration planning problem.
-#[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "calipose problem")]
 pub(crate) struct File {
@@ -70,7 +70,7 @@ pub(crate) struct File {
 }
 
 /// The arm: a Denavit–Hartenberg table, base first, or a URDF file.
-#[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Robot {
     /// Order of a row's factors: "standard" (the default) is Rz(theta) Tz(d) Tx(a) Rx(alpha), "modified" (Craig) is Rx(alpha)
@@ -168,7 +168,7 @@ pub(crate) struct Pose {
 }
 
 /// The nominal camera. Pixel (0, 0) is the centre of the top-left pixel.
-#[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Camera {
     /// Pose of the camera (x right, y down, z forward) in the flange frame: "optical-axis-z" or "ros-optical" when they are the
@@ -376,6 +376,23 @@ impl Default for Named<AxisRule> {
 impl Default for TextOrTable<Named<MountName>, Pose> {
     fn default() -> Self {
         Self::Text(Named(MountName::OpticalAxisZ))
+    }
+}
+
+impl Distortion {
+    /// The coefficient of that name.
+    pub(crate) fn coefficient(&mut self, name: &str) -> Option<&mut Option<f64>> {
+        let Self { model: _, k1, k2, p1, p2, k3, k4, k5, k6 } = self;
+        let named = [("k1", k1), ("k2", k2), ("p1", p1), ("p2", p2), ("k3", k3), ("k4", k4), ("k5", k5), ("k6", k6)];
+        named.into_iter().find(|(known, _)| *known == name).map(|(_, value)| value)
+    }
+}
+
+impl Default for Target {
+    /// No board: what must be given is out of range.
+    fn default() -> Self {
+        let (pose, zone) = (Pose::default(), Zone::default());
+        Self { columns: 0, rows: 0, square_mm: 0.0, link: None, pose, thickness_mm: thickness(), zone }
     }
 }
 

@@ -42,7 +42,8 @@ pub(super) fn put<'t>(
     let mut children = Children::Table(root);
     for (depth, segment) in sections.iter().enumerate() {
         let then_list = matches!(given.path.0[depth + 1], Segment::Index(_));
-        children = children.below(segment, then_list, &key)?;
+        let so_far = KeyPath(given.path.0[..=depth].to_vec()).to_string();
+        children = children.below(segment, then_list, &(line.start..line.start + so_far.len()))?;
     }
     children.put(last, value, &key)
 }

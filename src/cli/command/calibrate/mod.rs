@@ -7,6 +7,7 @@ mod report;
 
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 
 use fit::{fit, other_lens, unknown_camera};
@@ -19,7 +20,7 @@ use crate::cli::interrupt::writing;
 use crate::cli::output::Screen;
 use crate::cli::output::failure::Failure;
 use crate::cli::output::verdict::Verdict;
-use crate::formats::{CameraFormat, Detections, Stated, read_detections_file};
+use crate::formats::{CameraFormat, Detections, Known, read_detections_file};
 use crate::plan::results::{probe, write_together};
 use crate::problem::{Accuracy, Problem};
 use crate::target::Board;
@@ -58,8 +59,8 @@ pub(crate) struct CalibrateArguments {
     #[arg(long, short, default_value = "calibration")]
     output: PathBuf,
     /// Format of the camera file
-    #[arg(long, default_value = "all")]
-    camera_format: FormatName,
+    #[arg(long, default_value = ALL_FORMATS, value_parser = camera_files())]
+    camera_format: CameraFiles,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -69,22 +70,30 @@ enum LossName {
     Cauchy,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum FormatName {
-    Ros,
-    #[value(name = "opencv")]
-    OpenCv,
-    #[value(name = "opencv-json")]
-    OpenCvJson,
-    Mrcal,
-    Kalibr,
+/// The camera files to write.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum CameraFiles {
+    /// One, in a format that must have the lens.
+    One(CameraFormat),
+    /// Those of every format that has the lens.
     All,
+}
+
+/// What [`CameraFiles::All`] is called beside the names of the formats.
+const ALL_FORMATS: &str = "all";
+
+fn camera_files() -> impl TypedValueParser<Value = CameraFiles> {
+    let names = CameraFormat::ALL.map(CameraFormat::name).into_iter().chain([ALL_FORMATS]);
+    PossibleValuesParser::new(names).map(|name| {
+        let format = CameraFormat::ALL.into_iter().find(|format| format.name() == name);
+        format.map_or(CameraFiles::All, CameraFiles::One)
+    })
 }
 
 pub(crate) fn run(arguments: &CalibrateArguments, screen: &mut Screen) -> Result<Verdict, Failure> {
     let setting = Setting::read(arguments)?;
     let path = &arguments.observations;
-    let found = read_detections_file(path, &setting.stated)
+    let found = read_detections_file(path, &setting.known)
         .map_err(|error| Failure::Observations { path: path.clone(), error })?;
     let Detections { observations, names, .. } = &found;
     let (nominal, estimated, is_known) = if let Some(Problem { camera, estimated, .. }) = &setting.problem {
@@ -115,7 +124,7 @@ pub(crate) fn run(arguments: &CalibrateArguments, screen: &mut Screen) -> Result
     for format in formats {
         match format.write(&calibration.camera) {
             Ok(text) => files.push((format.file_name(), text.into_bytes())),
-            Err(error) if arguments.camera_format == FormatName::All => {
+            Err(error) if arguments.camera_format == CameraFiles::All => {
                 left_out += &format!("\nNot written: {}, because {error}.", format.file_name());
             }
             Err(error) => return Err(Failure::Usage(error.to_string())),
@@ -134,7 +143,7 @@ pub(crate) fn run(arguments: &CalibrateArguments, screen: &mut Screen) -> Result
 
 /// What the command line and the problem file say.
 struct Setting {
-    stated: Stated,
+    known: Known,
     problem: Option<Problem>,
     wished: Vec<Wish>,
 }
@@ -150,15 +159,15 @@ impl Setting {
     fn read(arguments: &CalibrateArguments) -> Result<Self, Failure> {
         let problem = arguments.problem.as_deref().map(Problem::read).transpose()?;
         let images = arguments.images.clone();
-        let stated = if let Some(Problem { camera, target, .. }) = &problem {
-            Stated { board: Some(target.board), image: Some([camera.width(), camera.height()]), images }
+        let known = if let Some(Problem { camera, target, .. }) = &problem {
+            Known { board: Some(target.board), image: Some([camera.width(), camera.height()]), images }
         } else {
             let board = arguments.board.zip(arguments.square).map(|([columns, rows], square)| Board {
                 columns: columns as usize,
                 rows: rows as usize,
                 square: square / 1e3,
             });
-            Stated { board, image: arguments.image, images }
+            Known { board, image: arguments.image, images }
         };
         let wish = |problem: &Problem, &(accuracy, wished): &(Accuracy, f64)| match accuracy {
             Accuracy::MapError => Some(Wish::MapError(wished)),
@@ -176,23 +185,18 @@ impl Setting {
             wished.retain(|wish| !matches!(wish, Wish::MapError(_)));
             wished.push(Wish::MapError(map_error));
         }
-        Ok(Self { stated, problem, wished })
+        Ok(Self { known, problem, wished })
     }
 }
 
-/// The formats to write: one, which must know the lens, or all.
-fn formats(name: FormatName, camera: &Camera) -> Result<Vec<CameraFormat>, Failure> {
-    let one = match name {
-        FormatName::Ros => CameraFormat::Ros,
-        FormatName::OpenCv => CameraFormat::OpenCv,
-        FormatName::OpenCvJson => CameraFormat::OpenCvJson,
-        FormatName::Mrcal => CameraFormat::Mrcal,
-        FormatName::Kalibr => CameraFormat::Kalibr,
-        FormatName::All => return Ok(CameraFormat::ALL.to_vec()),
-    };
-    match one.write(camera) {
-        Ok(_) => Ok(vec![one]),
-        Err(error) => Err(Failure::Usage(error.to_string())),
+/// The formats to write; a single one must have the lens.
+fn formats(files: CameraFiles, camera: &Camera) -> Result<Vec<CameraFormat>, Failure> {
+    match files {
+        CameraFiles::All => Ok(CameraFormat::ALL.to_vec()),
+        CameraFiles::One(format) => match format.write(camera) {
+            Ok(_) => Ok(vec![format]),
+            Err(error) => Err(Failure::Usage(error.to_string())),
+        },
     }
 }
 
