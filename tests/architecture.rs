@@ -129,6 +129,22 @@ fn modules_import_only_from_those_above() {
     }
 }
 
+/// A plan is certified by its own reading of the definitions, or a mistake in them would confirm itself.
+#[test]
+fn certify_shares_nothing_with_what_it_certifies() {
+    let root = Path::new("src/plan/assess/certify");
+    let files = files_below(root);
+    assert!(files.len() > 3, "{files:?}");
+    for path in files {
+        let code = without_comments(&std::fs::read_to_string(&path).unwrap());
+        for word in ["selection", "choose", "Chooser", "PlanError", "SelectionError"] {
+            // What the problem asks for is called its selection, too.
+            let own = code.replace("problem.selection.goal", "");
+            assert!(!own.split(|c| !is_word(c)).any(|other| other == word), "{} names `{word}`", path.display());
+        }
+    }
+}
+
 #[test]
 fn the_mathematics_knows_neither_files_nor_terminals() {
     for source in sources() {

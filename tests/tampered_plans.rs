@@ -12,9 +12,9 @@ use std::path::Path;
 
 use calipose::information::Criterion;
 use calipose::plan::assess::{BrokenConstraint, CertifyError, Confirmed, certify};
-use calipose::plan::choose::{Chooser, Decision, decide};
+use calipose::plan::choose::{Chooser, Decision, candidates, decide};
 use calipose::plan::document::{Document, Plan};
-use calipose::plan::survey::{Survey, candidates};
+use calipose::plan::survey::Survey;
 use calipose::problem::{Goal, JointRegion, Method, PoseGroup, Problem, ProblemError};
 use calipose::robot::Limits;
 use desk::Desk;

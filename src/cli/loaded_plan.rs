@@ -7,9 +7,10 @@ use super::output::failure::Failure;
 use crate::formats::read_at_most;
 use crate::plan::assess::LocateError;
 use crate::plan::choose::Chooser;
+use crate::plan::choose::candidates;
 use crate::plan::document::{Plan, Run};
 use crate::plan::results::{check_results, hold_to_read};
-use crate::plan::survey::{Survey, candidates};
+use crate::plan::survey::Survey;
 use crate::problem::Problem;
 
 /// Bytes of a plan; a larger file is something else.

@@ -2,7 +2,7 @@
 
 use super::output::Screen;
 use super::output::failure::Failure;
-use crate::plan::survey::forecast_bytes;
+use crate::plan::assess::forecast_bytes;
 use crate::problem::Problem;
 
 /// What is warned of where the machine does not say what it has, in bytes.

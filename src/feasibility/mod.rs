@@ -6,6 +6,7 @@
 mod collision;
 mod hull;
 mod occlusion;
+mod rejection;
 mod shortfall;
 mod solid;
 mod stability;
@@ -15,7 +16,8 @@ mod visibility;
 pub use collision::{Close, Collision, LinkPair, LinkPairs};
 pub use hull::{Simplified, simplify_hulls};
 pub use occlusion::Occlusion;
+pub use rejection::Rejection;
 pub use shortfall::{Measures, Sighting, VisibilityTest};
 pub use stability::{Stability, StabilityError};
-pub use views::{Checks, Rejection, View, feasible_views};
+pub use views::{Checks, View, feasible_views};
 pub use visibility::VisibilityLimits;

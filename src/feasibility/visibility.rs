@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector2, Vector3};
 
-use super::views::Rejection;
+use super::rejection::Rejection;
 use crate::camera::Camera;
 use crate::spatial::Pose;
 use crate::target::{Corners, Target};

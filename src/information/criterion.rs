@@ -1,5 +1,9 @@
 //! The criteria that a plan can be optimised for.
 
+use std::str::FromStr;
+
+use thiserror::Error;
+
 /// What a plan is to make good: a scalar summary of what its views teach.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Criterion {
@@ -63,6 +67,23 @@ impl Criterion {
                 each.join(" + ")
             }
         }
+    }
+}
+
+/// A name that no criterion has.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("\"{name}\" is no criterion; there are {}", Criterion::ALL.map(Criterion::name).join(", "))]
+pub struct UnknownCriterion {
+    /// The name.
+    pub name: String,
+}
+
+impl FromStr for Criterion {
+    type Err = UnknownCriterion;
+
+    fn from_str(name: &str) -> Result<Self, UnknownCriterion> {
+        let named = Self::ALL.into_iter().find(|criterion| criterion.name() == name);
+        named.ok_or_else(|| UnknownCriterion { name: name.into() })
     }
 }
 

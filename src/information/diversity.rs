@@ -26,6 +26,10 @@ pub struct DiversityModel {
 }
 
 impl DiversityModel {
+    /// What the criterion `diversity` assumes known beforehand, as a share of one average view: enough to compare sets of fewer
+    /// views than the ten numbers of the model, too little to weigh in larger ones.
+    pub const PRIOR: f64 = 0.1;
+
     /// The model standardised over the views `X_CT`.
     pub fn new(poses: &[Pose]) -> Self {
         let features: Vec<Vector3<f64>> = poses.iter().map(features).collect();

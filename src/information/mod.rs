@@ -9,7 +9,7 @@ mod view;
 mod weakest;
 mod zhang;
 
-pub use criterion::Criterion;
+pub use criterion::{Criterion, UnknownCriterion};
 pub use diversity::DiversityModel;
 pub use unknowns::Unknowns;
 pub use view::Measurement;

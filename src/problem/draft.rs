@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use thiserror::Error;
 
 use crate::formats::{Description, FileReadError, Outline, StatedRange, outline_urdf_file};
-use crate::robot::{Assembly, Joint, JointKind, Limits, Mechanism, Robot};
+use crate::robot::{Assembly, Joint, JointKind, Mechanism, Robot};
 use crate::spatial::Pose;
 
 /// Why no problem file can be drafted.
@@ -201,15 +201,16 @@ fn robot_section(outline: &Outline, robot: &Robot, urdf: &Path, folder: &Path, [
 
 /// Kind and range of a joint for people.
 fn described(joint: &Joint, range: &StatedRange) -> String {
-    let (kind, factor, unit) = match joint.kind {
-        JointKind::Revolute => ("revolute", 1f64.to_degrees(), "°"),
-        JointKind::Prismatic => ("prismatic", 1e3, " mm"),
+    let kind = match joint.kind {
+        JointKind::Revolute => "revolute",
+        JointKind::Prismatic => "prismatic",
     };
-    let Limits { min, max } = joint.limits;
+    let unit = joint.kind.display_sign();
+    let [min, max] = [joint.limits.min, joint.limits.max].map(|limit| joint.kind.to_display(limit));
     match range {
         _ if range.is_blank() => format!("{kind}, its limits are not stated"),
         StatedRange { continuous: true, soft: None, .. } => "continuous".into(),
-        _ => format!("{kind}, {:.1} … {:.1}{unit}", min * factor, max * factor),
+        _ => format!("{kind}, {:.1} … {:.1}{unit}", min, max),
     }
 }
 

@@ -1,5 +1,6 @@
 //! Forward kinematics of a serial chain.
 
+use super::joint::Joint;
 use super::tree::Motion;
 use crate::spatial::Pose;
 
@@ -16,42 +17,6 @@ pub struct Chain {
     pub stages: Vec<Stage>,
     /// Fixed transform from the last stage's moved frame to the flange.
     pub X_nF: Pose,
-}
-
-/// One joint of a chain.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Joint {
-    /// Name, as the robot's driver knows it.
-    pub name: String,
-    /// How the joint moves.
-    pub kind: JointKind,
-    /// Range of joint values.
-    pub limits: Limits,
-    /// Largest speed in rad/s or m/s, where known.
-    pub max_speed: Option<f64>,
-}
-
-/// The motion of a joint.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum JointKind {
-    /// Rotation about the axis, in rad.
-    Revolute,
-    /// Translation along the axis, in m.
-    Prismatic,
-}
-
-/// A closed range of joint values in rad or m.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Limits {
-    /// Least value.
-    pub min: f64,
-    /// Greatest value.
-    pub max: f64,
-}
-
-impl Limits {
-    /// Half a turn either way: every direction of a joint without limits.
-    pub const FULL_TURN: Self = Self { min: -std::f64::consts::PI, max: std::f64::consts::PI };
 }
 
 /// One moving part of a chain.

@@ -3,13 +3,15 @@
 mod chain;
 pub mod dh;
 mod inverse;
+mod joint;
 mod mechanism;
 mod tree;
 mod turn;
 
 pub(crate) use chain::product;
-pub use chain::{Chain, Joint, JointKind, Limits, Stage};
+pub use chain::{Chain, Stage};
 pub use inverse::{ReachSettings, Reached, Starts, reach};
+pub use joint::{Joint, JointKind, Limits};
 pub use mechanism::{Assembly, Mechanism};
 pub use tree::{Body, Link, Motion, PointMass, Shape, Tree};
 pub use turn::Span;

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Translation3, Unit, UnitQuaternion, Vector3};
 
-use super::chain::JointKind;
+use super::joint::JointKind;
 use crate::spatial::Pose;
 
 /// Links of a robot, every parent before its children; link 0 is the root, whose frame is the base frame B.

@@ -29,7 +29,6 @@ use super::function::Gradient;
 use super::greedy::highest;
 use super::instance::Instance;
 use super::packed::dot;
-use super::search::greatest;
 
 /// When to stop, and how many columns to carry.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -368,4 +367,14 @@ impl<'a> Master<'a> {
             _ => None,
         }
     }
+}
+
+/// Places of the `count` greatest numbers, in no particular order.
+pub(super) fn greatest(numbers: &[f64], count: usize) -> Vec<usize> {
+    let mut places: Vec<usize> = (0..numbers.len()).collect();
+    if count < places.len() {
+        places.select_nth_unstable_by(count, |&a, &b| numbers[b].total_cmp(&numbers[a]).then(a.cmp(&b)));
+        places.truncate(count);
+    }
+    places
 }

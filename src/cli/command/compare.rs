@@ -7,8 +7,9 @@ use crate::cli::output::failure::Failure;
 use crate::cli::output::{Screen, short, table};
 use crate::cli::{number_of, trials};
 use crate::plan::assess::{Equivalent, Row, compare, equivalent_kmeans, verify};
+use crate::plan::choose::candidates;
 use crate::plan::choose::{Choice, Chooser};
-use crate::plan::survey::{Survey, candidates};
+use crate::plan::survey::Survey;
 use crate::problem::{Method, Problem};
 use crate::verification::{Disturbance, MonteCarlo};
 

@@ -16,10 +16,11 @@ use crate::cli::output::{Screen, fixed, grouped, joint_columns, short, table};
 use crate::cli::searching::searching;
 use crate::cli::{TableFormat, trials};
 use crate::plan::assess::{compare, verify};
+use crate::plan::choose::candidates;
 use crate::plan::choose::{Chooser, decide};
 use crate::plan::document::{Document, Plan, PlannedPose, Run, RunSeconds, Verification, views_csv, views_parquet};
 use crate::plan::results::{PLAN_FILE, RUN_FILE, add_results, owner, probe, write_results};
-use crate::plan::survey::{Survey, candidates};
+use crate::plan::survey::Survey;
 use crate::problem::{Method, Problem};
 use crate::verification::{Disturbance, Judgement, MonteCarlo};
 

@@ -13,7 +13,7 @@ use miette::{GraphicalReportHandler, GraphicalTheme};
 
 pub(crate) use crate::figures::{fixed, grouped, short};
 use crate::plan::document::{Document, ErrorDocument};
-use crate::robot::{Joint, JointKind};
+use crate::robot::Joint;
 use error_document::error_document;
 use failure::Failure;
 use progress::Progress;
@@ -128,8 +128,5 @@ pub(crate) fn table(header: &[&str], rows: &[Vec<String>]) -> String {
 
 /// Headings of the joints' columns, with their units.
 pub(crate) fn joint_columns(joints: &[Joint]) -> impl Iterator<Item = String> {
-    joints.iter().map(|joint| {
-        let unit = if joint.kind == JointKind::Prismatic { "mm" } else { "deg" };
-        format!("{} [{unit}]", joint.name)
-    })
+    joints.iter().map(|joint| format!("{} [{}]", joint.name, joint.kind.display_unit()))
 }

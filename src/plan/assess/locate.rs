@@ -5,11 +5,10 @@ use thiserror::Error;
 
 use crate::figures::grouped;
 use crate::information::Criterion;
-use crate::plan::choose::ACCURACY;
 use crate::plan::choose::{Chooser, PlanError};
 use crate::plan::document::{Plan, PlannedPose, joints_deg};
 use crate::plan::survey::Survey;
-use crate::problem::Problem;
+use crate::problem::{Goal, Problem};
 
 /// Why a plan does not fit the survey.
 #[derive(Debug, Error)]
@@ -131,7 +130,7 @@ impl Plan {
         let chooser = Chooser::new(problem, survey)?;
         let chooser = match self.criteria() {
             Some(criteria) => chooser.by(&criteria)?,
-            None if self.criterion == ACCURACY && !problem.selection.goal.accuracies().is_empty() => {
+            None if self.criterion == Goal::ACCURACY && !problem.selection.goal.accuracies().is_empty() => {
                 chooser.by_accuracies()
             }
             None => return Err(LocateError::Criterion { criterion: self.criterion.clone() }),
@@ -139,26 +138,13 @@ impl Plan {
         Ok((chooser, self.places(survey)?))
     }
 
-    /// The criteria that the plan optimises and their shares; `None` for accuracies, and where a name is not known or the
-    /// shares are not positive and of sum one.
-    pub fn criteria(&self) -> Option<Vec<(Criterion, f64)>> {
-        let named = |name: &str| Criterion::ALL.into_iter().find(|criterion| criterion.name() == name);
-        let terms = self.certificate.terms.iter();
-        let criteria: Option<Vec<_>> = terms.map(|term| Some((named(&term.criterion)?, term.share))).collect();
-        criteria.filter(|criteria| {
-            let sum: f64 = criteria.iter().map(|(_, share)| share).sum();
-            criteria.iter().all(|&(_, share)| share > 0.0) && (sum - 1.0).abs() < 1e-9
-        })
-    }
-
     /// The poses' places among the survey's views, whose joint values must be theirs.
-    fn places(&self, survey: &Survey) -> Result<Vec<usize>, LocateError> {
+    pub(super) fn places(&self, survey: &Survey) -> Result<Vec<usize>, LocateError> {
         let views = &survey.views;
         let mut places = Vec::with_capacity(self.poses.len());
         for pose in &self.poses {
             let id = pose.id;
-            let place = views.binary_search_by_key(&id, |view| view.id);
-            let place = place.map_err(|_| LocateError::NotAView { id, views: views.len() })?;
+            let place = survey.index_of(id).ok_or(LocateError::NotAView { id, views: views.len() })?;
             let q = &views[place].q;
             let same = pose.joints_rad.iter().zip(q).all(|(a, b)| (a - b).abs() <= 1e-12);
             if pose.joints_rad.len() != q.len() || !same {

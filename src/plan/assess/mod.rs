@@ -3,6 +3,7 @@
 mod certify;
 mod compare;
 mod explain;
+mod forecast;
 mod locate;
 mod next;
 mod polish;
@@ -14,6 +15,7 @@ mod verify;
 pub use certify::{BrokenConstraint, CertifyError, Confirmed, Unchecked, certify};
 pub use compare::{Comparison, Equivalent, Row, compare, equivalent_kmeans};
 pub use explain::{ExplainSettings, explain};
+pub use forecast::{Forecast, forecast, forecast_bytes};
 pub use locate::LocateError;
 pub use next::{Proposal, Wish, next};
 pub use polish::{PolishSettings, Polished, polish};

@@ -6,11 +6,11 @@ use super::rehearsal::{Rehearsal, rehearse};
 use super::retaken::Taken;
 use crate::calibration::{Calibration, Observations};
 use crate::feasibility::View;
+use crate::plan::choose::candidates;
 use crate::plan::choose::{Chooser, PlanError};
 use crate::plan::document::{
     Document, EstimatedIntrinsics, NextDocument, Plan, PlannedPose, SimulatedMapError, finite, poses_csv,
 };
-use crate::plan::survey::candidates;
 use crate::problem::{Method, PoseConstraints, Problem};
 
 /// How many poses to propose.

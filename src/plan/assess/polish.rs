@@ -11,9 +11,7 @@ use nalgebra::DVector;
 
 use crate::feasibility::{Checks, View};
 use crate::information::Measurement;
-use crate::plan::choose::Objective;
-use crate::plan::choose::allows;
-use crate::plan::choose::{Chooser, PlanError};
+use crate::plan::choose::{Chooser, Objective, PlanError, allows};
 use crate::plan::document::{Document, GridPlan, Intrinsics, PROVEN, Plan, PlannedPose, PolishedPlan};
 use crate::plan::survey::SurveyError;
 use crate::problem::Problem;
@@ -57,7 +55,7 @@ pub struct Polished {
 }
 
 impl Polished {
-    /// What is written of the poses, which `chooser` polished from those of `plan`.
+    /// What is written of it, polished from `plan` by `chooser`.
     pub fn document(&self, problem: &Problem, chooser: &Chooser, plan: &Plan) -> PolishedPlan {
         let gain = (self.log_value - self.grid_log_value).exp();
         let poses = self.views.iter().zip(&self.shares);

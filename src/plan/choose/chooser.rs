@@ -112,10 +112,6 @@ impl<'a> Chooser<'a> {
         &self.objective
     }
 
-    pub(crate) fn constraints(&self) -> &Constraints {
-        &self.constraints
-    }
-
     pub(crate) fn survey(&self) -> &'a Survey {
         self.survey
     }

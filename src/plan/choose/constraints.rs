@@ -49,11 +49,9 @@ pub(crate) fn constraints(problem: &Problem, survey: &Survey) -> Result<Constrai
     let PoseConstraints { required, forbidden, captured: _, keep_out, groups, joint_separation, view_separation } =
         &problem.constraints;
     let views = &survey.views;
-    // Views are in ascending order of their ids.
-    let place = |id: usize| views.binary_search_by_key(&id, |view| view.id).ok();
     let mut indices = Vec::with_capacity(required.len());
     for &id in required {
-        let i = place(id).ok_or(ConstraintError::NotAView { id, views: views.len() })?;
+        let i = survey.index_of(id).ok_or(ConstraintError::NotAView { id, views: views.len() })?;
         if let Some(region) = keep_out.iter().position(|region| region.contains(&views[i].q)) {
             return Err(ConstraintError::KeptOut { id, region: region + 1 });
         }
@@ -62,7 +60,8 @@ pub(crate) fn constraints(problem: &Problem, survey: &Survey) -> Result<Constrai
     let within =
         |region: &JointRegion| -> Vec<usize> { (0..views.len()).filter(|&i| region.contains(&views[i].q)).collect() };
     // A forbidden pose that is no view is out anyway.
-    let forbidden = forbidden.iter().filter_map(|&id| place(id)).chain(keep_out.iter().flat_map(within)).collect();
+    let forbidden =
+        forbidden.iter().filter_map(|&id| survey.index_of(id)).chain(keep_out.iter().flat_map(within)).collect();
     let caps = groups.iter().map(|group| Cap { members: within(&group.region), most: group.most }).collect();
     let mut separations = Vec::new();
     if *joint_separation > 0.0 {

@@ -1,6 +1,7 @@
 //! From a survey to a choice of poses with its proof.
 
 mod baseline;
+mod candidates;
 mod choice;
 mod chooser;
 mod constraints;
@@ -9,10 +10,12 @@ mod error;
 mod objective;
 
 pub use baseline::{Clustering, ClusteringError, kmeans, lloyd, random};
+pub(crate) use candidates::PICKS;
+pub use candidates::candidates;
 pub use choice::{Choice, Reached};
 pub use chooser::Chooser;
 pub use constraints::ConstraintError;
-pub(crate) use constraints::{allows, captured, known};
+pub(crate) use constraints::allows;
 pub use decide::{Decision, FewestProof, SearchSummary, decide};
 pub use error::PlanError;
-pub(crate) use objective::{ACCURACY, Objective, TermDefinition};
+pub(crate) use objective::Objective;

@@ -8,29 +8,12 @@ use super::constraints::Captured;
 use crate::feasibility::View;
 use crate::information::{Criterion, DiversityModel, Measurement, ZHANG_DIRECTIONS};
 use crate::plan::survey::{Survey, SurveyError};
-use crate::problem::{Accuracy, Problem};
+use crate::problem::{Accuracy, Goal, Problem};
 use crate::selection::InformationSet;
 use crate::selection::packed::{pack, packed_len, unpack};
 use crate::selection::{Constraints, InformationFunction, Instance, SelectionError, Term};
 use crate::spatial::Pose;
 use crate::target::Corners;
-
-/// What `diversity` assumes known beforehand, as a share of one average view: enough to compare sets of fewer views than
-/// the ten numbers of its model, too little to weigh in larger ones.
-const DIVERSITY_PRIOR: f64 = 0.1;
-
-/// A term of the objective, as the definitions have it; [`certify`](crate::plan::assess::certify()) evaluates it by these.
-pub(crate) struct TermDefinition<'a> {
-    pub(crate) criterion: Option<Criterion>,
-    pub(crate) share: f64,
-    pub(crate) candidates: &'a InformationSet,
-    pub(crate) prior: DMatrix<f64>,
-    /// The weights W of variances: one, or one for each accuracy; none for other criteria.
-    pub(crate) weights: Vec<DMatrix<f64>>,
-}
-
-/// What an objective of accuracies is called where others have the name of a criterion.
-pub(crate) const ACCURACY: &str = "accuracy";
 
 /// Criteria, each with its share, on the views of a survey.
 #[derive(Debug, Clone)]
@@ -189,29 +172,6 @@ impl<'a> Objective<'a> {
         self.terms.iter().map(|term| (term.criterion, term.share, term.parameters.len()))
     }
 
-    /// The terms by their definitions, for [`certify`](crate::plan::assess::certify()).
-    pub(crate) fn terms(&self, problem: &Problem, survey: &Survey) -> Vec<TermDefinition<'_>> {
-        let weights = |criterion| match criterion {
-            Some(Criterion::A) => vec![pixel_weight(problem)],
-            Some(Criterion::V) => vec![survey.map_weight.clone()],
-            Some(_) => vec![],
-            None => accuracy_weights(survey, problem.selection.goal.accuracies()),
-        };
-        self.terms
-            .iter()
-            .map(|term| {
-                let p = term.candidates.order();
-                TermDefinition {
-                    criterion: term.criterion,
-                    share: term.share,
-                    candidates: &term.candidates,
-                    prior: term.prior.clone().unwrap_or_else(|| DMatrix::zeros(p, p)),
-                    weights: weights(term.criterion),
-                }
-            })
-            .collect()
-    }
-
     /// log Φ in the unit of a lone criterion: log det for `d` and `diversity`, a variance in px² for `a` and `v`, an
     /// eigenvalue for `e` and `zhang`; of several criteria, Φ itself.
     pub(crate) fn natural(&self, log_value: f64) -> f64 {
@@ -231,7 +191,7 @@ impl std::fmt::Display for Objective<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         let criteria: Option<Vec<_>> =
             self.terms.iter().map(|term| term.criterion.map(|criterion| (criterion, term.share))).collect();
-        f.write_str(&criteria.map_or_else(|| ACCURACY.into(), |criteria| Criterion::describe(&criteria)))
+        f.write_str(&criteria.map_or_else(|| Goal::ACCURACY.into(), |criteria| Criterion::describe(&criteria)))
     }
 }
 
@@ -292,7 +252,7 @@ impl<'a> ObjectiveTerm<'a> {
                 let model = DiversityModel::new(&poses);
                 let (candidates, monomials) = (model.information_set(&poses), model.monomials());
                 let known = model.information_set(&captured.iter().map(|view| view.X_CT).collect::<Vec<_>>());
-                let prior = unpack(&candidates.mean(), monomials.len()) * DIVERSITY_PRIOR
+                let prior = unpack(&candidates.mean(), monomials.len()) * DiversityModel::PRIOR
                     + unpack(&known.sum(), monomials.len());
                 let function = InformationFunction::Determinant;
                 term(Cow::Owned(candidates), Some(prior), function, monomials, Source::Diversity(model))

@@ -2,14 +2,12 @@
 
 mod contacts;
 mod diagnosis;
-mod forecast;
 mod refine;
 mod smell;
 
 pub use contacts::Contact;
 pub use diagnosis::{Diagnosis, Miss, Obstacle, diagnose};
-pub use forecast::{Forecast, forecast, forecast_bytes};
-pub use refine::candidates;
+pub(crate) use refine::{join, spacings};
 pub use smell::Smell;
 
 use nalgebra::DMatrix;
@@ -28,7 +26,7 @@ use contacts::contacts;
 pub struct Survey {
     /// What the sweep found.
     pub sweep: Sweep,
-    /// The candidates that passed every check.
+    /// The candidates that passed every check, by ascending id.
     pub views: Vec<View>,
     /// Candidates rejected, by the reasons of [`Rejection::ALL`].
     pub rejected: [usize; Rejection::ALL.len()],
@@ -108,6 +106,11 @@ pub fn survey(problem: &Problem, observe: &(dyn Fn(usize) + Sync)) -> Result<Sur
 }
 
 impl Survey {
+    /// The place among the views of the configuration of that id; `None` if it is no view.
+    pub fn index_of(&self, id: usize) -> Option<usize> {
+        self.views.binary_search_by_key(&id, |view| view.id).ok()
+    }
+
     /// The survey of these views alone, wherever they come from.
     ///
     /// # Errors

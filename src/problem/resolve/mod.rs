@@ -247,21 +247,9 @@ impl Check<'_, '_> {
 /// Lengths in mm and px that may be 0.
 const NOT_NEGATIVE: Allowed = Allowed::between(0.0, 1e6);
 
-/// A joint value in the file's unit (degrees or mm) as rad or m.
-fn si(kind: JointKind, value: f64) -> f64 {
-    match kind {
-        JointKind::Revolute => value.to_radians(),
-        JointKind::Prismatic => value / 1e3,
-    }
-}
-
 /// A joint value in rad or m in the file's unit, to a thousandth.
 fn file_unit(kind: JointKind, value: f64) -> f64 {
-    let value = match kind {
-        JointKind::Revolute => value.to_degrees(),
-        JointKind::Prismatic => value * 1e3,
-    };
-    (value * 1e3).round() / 1e3 + 0.0
+    (kind.to_display(value) * 1e3).round() / 1e3 + 0.0
 }
 
 fn owned(names: &[&str]) -> Vec<String> {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use super::{Check, owned, si};
+use super::{Check, owned};
 use crate::camera::Camera;
 use crate::information::{Criterion, Unknowns};
 use crate::problem::fault::{Allowed, Reason};
@@ -81,7 +81,7 @@ impl Check<'_, '_> {
         let mut criteria = Vec::new();
         for (name, &share) in shares {
             let key = path.key(name);
-            if let Some(criterion) = Criterion::ALL.into_iter().find(|criterion| criterion.name() == name) {
+            if let Ok(criterion) = name.parse() {
                 criteria.push((criterion, part(self.number(&key, share, Allowed::positive(1e6)), sum)));
             } else {
                 let allowed = Criterion::ALL.map(Criterion::name);
@@ -211,7 +211,7 @@ impl Check<'_, '_> {
         if q.len() != joints.len() && !joints.is_empty() {
             self.fault(path, Reason::Length { found: q.len(), expected: joints.len(), per: "joint" });
         }
-        q.iter().zip(joints).map(|(&value, joint)| si(joint.kind, value)).collect()
+        q.iter().zip(joints).map(|(&value, joint)| joint.kind.from_display(value)).collect()
     }
 
     fn region(&mut self, path: &KeyPath, ranges: &BTreeMap<String, Range>, joints: &[Joint]) -> JointRegion {
@@ -233,7 +233,7 @@ impl Check<'_, '_> {
             if !(min <= max && min.is_finite() && max.is_finite()) {
                 self.fault(&key, Reason::Reversed { min, max });
             }
-            region.push((j, Limits { min: si(joints[j].kind, min), max: si(joints[j].kind, max) }));
+            region.push((j, Limits { min: joints[j].kind.from_display(min), max: joints[j].kind.from_display(max) }));
         }
         JointRegion(region)
     }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{ANGLE, Check, LENGTH, file_unit, si};
+use super::{ANGLE, Check, LENGTH, file_unit};
 use crate::feasibility::{Simplified, simplify_hulls};
 use crate::formats::{Description, StatedRange, UrdfError, read_srdf_file, read_urdf_file};
 use crate::problem::fault::{Allowed, Reason};
@@ -142,10 +142,10 @@ impl Check<'_, '_> {
                 let Numbers([min, max]) = self.range(&at, range, allowed);
                 let Some(joint) = self.described_joint(&at, name, kind, mechanism) else { continue };
                 given[joint] = true;
-                let mut limits = Limits { min: si(kind, min), max: si(kind, max) };
+                let mut limits = Limits { min: kind.from_display(min), max: kind.from_display(max) };
                 let bounds = ranges[joint].bounds();
                 // Forgiving what numbers lose that are written to a thousandth.
-                let slack = si(kind, 1e-3);
+                let slack = kind.from_display(1e-3);
                 if limits.min >= bounds.min - slack && limits.max <= bounds.max + slack {
                     limits = Limits { min: limits.min.max(bounds.min), max: limits.max.min(bounds.max) };
                 } else {
@@ -237,7 +237,7 @@ impl Check<'_, '_> {
                     let unlimited = ranges[joint].is_blank() && !given[joint];
                     let allowed = if unlimited { any } else { allowed_values(&mechanism.joints[joint]) };
                     self.number(&at, value, allowed);
-                    held[joint] = Some(si(kind, value));
+                    held[joint] = Some(kind.from_display(value));
                 }
             }
         }
@@ -271,10 +271,7 @@ fn link_names(mechanism: &Mechanism) -> Vec<String> {
 
 /// What the user should know of a joint that moves less than its limits say.
 fn softened(joint: &Joint, range: &StatedRange) -> String {
-    let unit = match joint.kind {
-        JointKind::Revolute => "°",
-        JointKind::Prismatic => " mm",
-    };
+    let unit = joint.kind.display_sign();
     let between = |Limits { min, max }: Limits| {
         format!("{}{unit} to {}{unit}", file_unit(joint.kind, min), file_unit(joint.kind, max))
     };
@@ -285,10 +282,7 @@ fn softened(joint: &Joint, range: &StatedRange) -> String {
 
 /// The joint's limits in the file's unit, to a thousandth.
 fn allowed_values(joint: &Joint) -> Allowed {
-    let unit = match joint.kind {
-        JointKind::Revolute => 1f64.to_degrees(),
-        JointKind::Prismatic => 1e3,
-    };
+    let unit = joint.kind.to_display(1.0);
     // Forgiving a millionth of that, because ±180° is no binary fraction of a rad.
     let Limits { min, max } = joint.limits;
     Allowed::between((min * unit * 1e3 - 1e-6).ceil() / 1e3, (max * unit * 1e3 + 1e-6).floor() / 1e3)

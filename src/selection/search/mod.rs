@@ -9,7 +9,6 @@ mod fewest;
 mod node;
 
 pub use fewest::{Fewest, NotEnough, Refutation, fewest};
-pub(super) use node::greatest;
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -23,7 +22,7 @@ use super::exchange::exchange;
 use super::function::Gradient;
 use super::greedy;
 use super::instance::Instance;
-use super::relaxation::{Relaxation, RelaxationSettings, relax};
+use super::relaxation::{Relaxation, RelaxationSettings, greatest, relax};
 use node::{Ladder, Relaxed};
 
 /// Nodes worked on at a time.

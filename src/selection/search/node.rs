@@ -10,6 +10,7 @@ use crate::selection::function::Curvature;
 use crate::selection::function::Gradient;
 use crate::selection::instance::Instance;
 use crate::selection::packed::dot;
+use crate::selection::relaxation::greatest;
 
 /// Weights this close to 0 or 1 are there.
 const BOUNDARY: f64 = 1e-9;
@@ -269,14 +270,4 @@ fn snapped(weight: f64) -> f64 {
     } else {
         weight
     }
-}
-
-/// Places of the `count` greatest numbers, in no particular order.
-pub(crate) fn greatest(numbers: &[f64], count: usize) -> Vec<usize> {
-    let mut places: Vec<usize> = (0..numbers.len()).collect();
-    if count < places.len() {
-        places.select_nth_unstable_by(count, |&a, &b| numbers[b].total_cmp(&numbers[a]).then(a.cmp(&b)));
-        places.truncate(count);
-    }
-    places
 }

@@ -10,8 +10,8 @@ use crate::cli::arguments::ProblemArguments;
 use crate::cli::memory::Memory;
 use crate::cli::output::failure::Failure;
 use crate::cli::output::{Screen, grouped};
-use crate::plan::document::CheckDocument;
-use crate::plan::survey::{Forecast, diagnose, forecast};
+use crate::plan::assess::{Forecast, forecast};
+use crate::plan::survey::diagnose;
 use crate::problem::{Accuracy, Goal, Problem};
 use crate::sweep::JointSpace;
 use lens::lens_text;
@@ -41,14 +41,7 @@ pub(crate) fn run(arguments: &ProblemArguments, screen: &mut Screen) -> Result<(
         JointSpace::Sample(_) => format!("sample of {} configurations", grouped(total)),
     };
     let search_limit = problem.selection.goal.searches().then_some(problem.selection.time_limit.as_secs_f64());
-    let document = CheckDocument::new(
-        &problem,
-        checks.collision().links(),
-        &forecast,
-        search_limit,
-        diagnosis.as_ref(),
-        memory.clone(),
-    );
+    let document = forecast.document(&problem, checks.collision().links(), diagnosis.as_ref(), memory.clone());
     screen.document(&document)?;
     let mut text = format!(
         "{}: valid.\n{}{} joints, {space_text}.\n{}\n{}\n{}About {} of them {} (from {} tried).\n`calipose plan` would choose {}, \

@@ -3,7 +3,6 @@
 use thiserror::Error;
 
 use crate::plan::assess::locate::LocateError;
-use crate::plan::choose::PlanError;
 
 /// Why a plan does not hold.
 #[derive(Debug, Error)]
@@ -76,9 +75,15 @@ pub enum CertifyError {
     /// The plan does not fit the problem or its candidates.
     #[error(transparent)]
     Locate(#[from] LocateError),
-    /// The problem has no plan any more.
-    #[error(transparent)]
-    Plan(#[from] PlanError),
+    /// A view taken already does not see the board.
+    #[error("from captured view {view} the nominal camera does not see enough of the board")]
+    CapturedUnseen {
+        /// The view, from 1.
+        view: usize,
+    },
+    /// A view's corners do not fix what the criterion needs.
+    #[error("the corners of a view do not determine its pose in the image")]
+    Undetermined,
 }
 
 /// A constraint that poses break.

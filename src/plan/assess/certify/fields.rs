@@ -1,13 +1,10 @@
 //! Fields of a plan that are made anew and compared.
 
-use super::bound::{are_too_close, pairs};
-use super::compare::{alike, near, numbers, other, same};
-use super::error::{BrokenConstraint, CertifyError};
-use crate::plan::choose::Chooser;
-use crate::plan::document::{PlannedPose, Pose, SurveyCounts};
-use crate::plan::survey::Survey;
-use crate::problem::Method;
-use crate::problem::Problem;
+use super::compare::{alike, near, number, numbers, other, same};
+use super::error::CertifyError;
+use super::evidence::Accuracies;
+use crate::plan::document::{Intrinsics, PlannedPose, Pose, SurveyCounts};
+use crate::problem::{Method, Problem};
 
 /// Numbers of a pose agree to this: m, degrees, entries of a quaternion.
 const SAME_POSE: f64 = 1e-9;
@@ -77,25 +74,16 @@ pub(crate) fn is_that_pose(stated: &PlannedPose, found: &PlannedPose) -> Result<
     alike(&of_pose("the corners seen"), corners_seen, &found.corners_seen)
 }
 
-pub(crate) fn is_allowed(
+/// The intrinsics, their nominal values and their predicted standard deviations.
+pub(crate) fn are_those_intrinsics(
+    stated: &Intrinsics,
     problem: &Problem,
-    survey: &Survey,
-    chooser: &Chooser,
-    selected: &[usize],
+    found: &Accuracies,
+    tolerance: f64,
 ) -> Result<(), CertifyError> {
-    let constraints = chooser.constraints();
-    let id = |i: usize| survey.views[i].id;
-    let missing = constraints.required.iter().find(|i| !selected.contains(i));
-    let forbidden = constraints.forbidden.iter().find(|i| selected.contains(i));
-    let crowded = constraints.caps.iter().zip(&problem.constraints.groups).find_map(|(cap, group)| {
-        let count = selected.iter().filter(|i| cap.members.contains(i)).count();
-        (count > cap.most).then(|| BrokenConstraint::Crowded { group: group.name.clone(), count, most: cap.most })
-    });
-    let close = pairs(selected).find(|&(i, j)| are_too_close(constraints, i, j));
-    let broken = missing
-        .map(|&i| BrokenConstraint::Missing { id: id(i) })
-        .or(forbidden.map(|&i| BrokenConstraint::Forbidden { id: id(i) }))
-        .or(crowded)
-        .or(close.map(|(i, j)| BrokenConstraint::Close { first: id(i), second: id(j) }));
-    broken.map_or(Ok(()), |broken| Err(CertifyError::Constraint(broken)))
+    let Intrinsics { names, nominal, sigma } = stated;
+    let unknowns = problem.unknowns();
+    same("the list of intrinsics", &names.join(", "), &unknowns.names().join(", "))?;
+    numbers("nominal value", nominal, &unknowns.values(), |what, stated, found| same(what, &stated, &found))?;
+    numbers("predicted sigma", sigma, &found.sigma, |what, stated, found| number(what, stated, found, tolerance))
 }

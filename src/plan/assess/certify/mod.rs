@@ -1,30 +1,30 @@
 //! A plan checked from its own numbers.
 //!
-//! Every field of the plan is proven, or recomputed and compared, or handed back as not checked. It shares with the code that
-//! made the plan only what the numbers mean: the candidates' views and matrices and the constraints, rebuilt from the
-//! problem file.
+//! Every field of the plan is proven, or recomputed and compared, or handed back as not checked. It uses none of the code that
+//! chose the poses and proved the bound, neither `selection` nor `plan::choose`: `evidence` and `rules` derive what the
+//! numbers mean from the problem's models and definitions once more.
 
-mod accuracy;
-mod bound;
 mod compare;
 mod error;
+mod evidence;
 mod fields;
+mod rules;
 mod unchecked;
 
 pub use error::{BrokenConstraint, CertifyError};
 pub use unchecked::Unchecked;
 
-use crate::plan::choose::Chooser;
-use crate::plan::choose::{ACCURACY, TermDefinition};
-use crate::plan::document::{AccuracyDocument, CertificateDocument, FewestDocument, SearchDocument};
-use crate::plan::document::{Certified, NotChecked};
-use crate::plan::document::{CollisionDocument, Document, Header, Plan, PlannedPose, ProblemReference, SurveyCounts};
+use super::locate::LocateError;
+use crate::information::Criterion;
+use crate::plan::document::{
+    AccuracyDocument, CertificateDocument, Certified, CollisionDocument, Document, FewestDocument, Header, NotChecked,
+    Plan, PlannedPose, ProblemReference, SearchDocument, SurveyCounts,
+};
 use crate::plan::survey::Survey;
-use crate::problem::Problem;
-use accuracy::PredictedAccuracy;
-use bound::{Rounded, log_bound, log_of, log_value, natural, shares};
+use crate::problem::{Accuracy, Goal, Problem};
 use compare::{alike, different, near, number, other, same};
-use fields::{are_those_counts, is_allowed, is_that_method, is_that_pose};
+use evidence::{Accuracies, Evidence, Rounded};
+use fields::{are_those_counts, are_those_intrinsics, is_that_method, is_that_pose};
 use unchecked::{BY_SEARCH, EFFORT, HOW_FOUND};
 
 /// Numbers that are the same agree to this share, and to what rounding may have moved them beyond.
@@ -109,11 +109,17 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
     same("the problem's hash", sha256, &problem.sha256)?;
     alike("what is given in place of the problem file's values", set, &problem.overrides.of_results())?;
     plan.fit(problem)?;
-    let (chooser, selected) = plan.locate(problem, survey)?;
-    if *criterion != chooser.criterion() {
-        return Err(CertifyError::Criterion { stated: criterion.clone(), found: chooser.criterion() });
+    let selected = plan.places(survey)?;
+    let criteria = plan.criteria();
+    let optimised = match &criteria {
+        Some(criteria) => Criterion::describe(criteria),
+        None if !problem.selection.goal.accuracies().is_empty() => Goal::ACCURACY.into(),
+        None => return Err(LocateError::Criterion { criterion: criterion.clone() }.into()),
+    };
+    if *criterion != optimised {
+        return Err(CertifyError::Criterion { stated: criterion.clone(), found: optimised });
     }
-    is_that_method(method, search.is_some(), fewest.is_some(), criterion == ACCURACY)?;
+    is_that_method(method, search.is_some(), fewest.is_some(), criteria.is_none())?;
     same("the number of poses", count, &selected.len())?;
     if !poses.is_sorted_by_key(|pose| pose.id) {
         return Err(other("the order of the poses", "another", "by ascending id"));
@@ -121,20 +127,21 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
     are_those_counts(counts, &SurveyCounts::new(survey))?;
     let tested = Some(CollisionDocument::new(problem, &survey.links));
     alike("what was tested for collision", collision, &tested)?;
-    is_allowed(problem, survey, &chooser, &selected)?;
 
-    let terms: Vec<TermDefinition> = chooser.objective().terms(problem, survey);
-    let value = log_value(&terms, &selected);
+    let evidence = Evidence::new(problem, survey, criteria.as_deref())?;
+    evidence.rules.allow(&selected, problem, survey)?;
+    let value = evidence.log_value(&selected)?;
     trusted("the value", value.uncertainty)?;
-    let evidence = Evidence { terms: &terms, chooser: &chooser, selected: &selected, value };
     evidence.equal("the value", *stated_value, value.log, SAME + value.uncertainty)?;
-    for ((pose, &place), share) in poses.iter().zip(&selected).zip(shares(&terms, &selected)) {
+    for ((pose, &place), share) in poses.iter().zip(&selected).zip(evidence.shares(&selected)?) {
         is_that_pose(pose, &PlannedPose::new(problem, &survey.views[place], share))?;
         // A gradient is known to less than the value: its own change with M comes in.
         near(&format!("the share of pose {}", pose.id), pose.share, share, SAME + 10.0 * value.uncertainty)?;
     }
-    let accuracy = PredictedAccuracy::new(problem, survey, &selected)?;
-    accuracy.is_that(intrinsics, *map_error_px)?;
+    let accuracies = evidence.accuracies(&selected)?;
+    trusted("the predicted accuracy", accuracies.uncertainty)?;
+    are_those_intrinsics(intrinsics, problem, &accuracies, SAME + accuracies.uncertainty)?;
+    number("the map error", *map_error_px, accuracies.map_error, SAME + accuracies.uncertainty)?;
 
     let bound = evidence.bound(certificate, selected.len())?;
     let tolerance = SAME + value.uncertainty + bound.uncertainty;
@@ -144,9 +151,9 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
             unchecked.extend(Unchecked::all(&["search.nodes", "search.open_views"], EFFORT));
             unchecked.extend(Unchecked::all(&["bound", "efficiency", "search.end"], BY_SEARCH));
             // Between the two lies what a search may claim; the most it may claim is that they are one.
-            let claimed = log_of(&terms, *stated_bound);
+            let claimed = evidence.log_of(*stated_bound);
             if !(claimed >= value.log - tolerance && claimed <= bound.log + tolerance) {
-                return Err(different("the bound", *stated_bound, natural(&terms, bound.log)));
+                return Err(different("the bound", *stated_bound, evidence.natural(bound.log)));
             }
             if !SearchDocument::ENDS.contains(&end.as_str()) {
                 return Err(other("the end of the search", end, &SearchDocument::ENDS.join(" or ")));
@@ -156,12 +163,12 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
             }
         }
     }
-    let efficiency = (value.log - log_of(&terms, *stated_bound)).exp();
+    let efficiency = (value.log - evidence.log_of(*stated_bound)).exp();
     number("the efficiency", *stated_efficiency, efficiency, tolerance)?;
 
     let mut least = None;
     if let Some(fewest) = fewest {
-        least = evidence.least(fewest, problem, &accuracy)?;
+        least = evidence.least(fewest, problem, &accuracies, selected.len(), value)?;
         if fewest.nodes > 0 {
             unchecked.extend(Unchecked::all(&["fewest.nodes"], EFFORT));
         }
@@ -171,34 +178,25 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
     }
     Ok(Confirmed {
         views: survey.views.len(),
-        value: natural(&terms, value.log),
-        bound: natural(&terms, bound.log),
+        value: evidence.natural(value.log),
+        bound: evidence.natural(bound.log),
         efficiency: (value.log - bound.log).exp(),
         least,
-        tolerance: tolerance.max(accuracy.tolerance).max(SAME + 10.0 * value.uncertainty),
+        tolerance: tolerance.max(SAME + accuracies.uncertainty).max(SAME + 10.0 * value.uncertainty),
         unchecked,
     })
-}
-
-/// What was found of the poses.
-struct Evidence<'a> {
-    terms: &'a [TermDefinition<'a>],
-    chooser: &'a Chooser<'a>,
-    selected: &'a [usize],
-    value: Rounded,
 }
 
 impl Evidence<'_> {
     /// Checks a value or bound, stated in the criterion's own unit, against log Φ.
     fn equal(&self, what: &str, stated: f64, found: f64, tolerance: f64) -> Result<(), CertifyError> {
-        let is_same = (log_of(self.terms, stated) - found).abs() <= tolerance;
-        if is_same { Ok(()) } else { Err(different(what, stated, natural(self.terms, found))) }
+        let is_same = (self.log_of(stated) - found).abs() <= tolerance;
+        if is_same { Ok(()) } else { Err(different(what, stated, self.natural(found))) }
     }
 
     /// What the certificate proves of `count` poses; it must say the same.
     fn bound(&self, certificate: &CertificateDocument, count: usize) -> Result<Rounded, CertifyError> {
-        let instance = self.chooser.instance(count)?;
-        let bound = log_bound(certificate, self.terms, self.chooser.constraints(), instance.caps(), count)?;
+        let bound = self.log_bound(certificate, count)?;
         trusted("the bound", bound.uncertainty)?;
         self.equal("the certificate's bound", certificate.bound, bound.log, SAME + bound.uncertainty)?;
         Ok(bound)
@@ -210,31 +208,38 @@ impl Evidence<'_> {
         &self,
         stated: &FewestDocument,
         problem: &Problem,
-        accuracy: &PredictedAccuracy,
+        accuracies: &Accuracies,
+        poses: usize,
+        value: Rounded,
     ) -> Result<Option<usize>, CertifyError> {
-        let FewestDocument { accuracies, least, refutation, nodes } = stated;
-        let found = accuracy.reached(problem);
-        if accuracies.len() != found.len() {
+        let FewestDocument { accuracies: stated, least, refutation, nodes } = stated;
+        let asked = problem.selection.goal.accuracies();
+        if stated.len() != asked.len() {
             return Err(CertifyError::Wishes);
         }
-        for (AccuracyDocument { name, wished, reached }, found) in accuracies.iter().zip(&found) {
-            if *name != found.name || *wished != found.wished {
+        let names = problem.unknowns().names();
+        for (AccuracyDocument { name, wished, reached }, (accuracy, asked)) in stated.iter().zip(asked) {
+            let (asked_name, found) = match *accuracy {
+                Accuracy::MapError => ("map_error_px", accuracies.map_error),
+                Accuracy::Intrinsic(j) => (names[j], accuracies.sigma[j]),
+            };
+            if name != asked_name || wished != asked {
                 return Err(CertifyError::Wishes);
             }
-            number(&format!("the accuracy reached of {name}"), *reached, found.reached, accuracy.tolerance)?;
+            number(&format!("the accuracy reached of {name}"), *reached, found, SAME + accuracies.uncertainty)?;
         }
-        if self.value.log < -SAME - self.value.uncertainty {
-            return Err(CertifyError::Accuracy { value: natural(self.terms, self.value.log) });
+        if value.log < -SAME - value.uncertainty {
+            return Err(CertifyError::Accuracy { value: self.natural(value.log) });
         }
         let Some(refutation) = refutation else {
             // Without a proof only those are out that cannot be chosen.
-            let fewest_allowed = self.chooser.constraints().required.len().max(1);
+            let fewest_allowed = self.rules.required.len().max(1);
             same("the least number of poses that may be chosen", least, &fewest_allowed)?;
             same("the number of nodes without a refutation", nodes, &0)?;
             return Ok(None);
         };
         let count = least.saturating_sub(1);
-        if *least > self.selected.len() || count == 0 {
+        if *least > poses || count < self.rules.required.len().max(1) {
             return Err(CertifyError::Refutation { count });
         }
         let bound = self.bound(refutation, count)?;

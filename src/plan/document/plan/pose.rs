@@ -78,7 +78,7 @@ impl PlannedPose {
 /// Poses as CSV, one a line under a header.
 pub(crate) fn poses_csv(joints: &[Joint], poses: &[PlannedPose]) -> Result<Vec<u8>, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let joints = joint_columns(joints, ["rad", "m"]).chain(joint_columns(joints, ["deg", "mm"]));
+    let joints = joint_columns(joints, JointKind::unit).chain(joint_columns(joints, JointKind::display_unit));
     let fixed = ["camera_x_m", "camera_y_m", "camera_z_m", "camera_qx", "camera_qy", "camera_qz", "camera_qw"];
     let header = joints.chain(fixed.map(String::from)).chain(["tilt_deg", "distance_m", "share"].map(String::from));
     let tested = poses.iter().any(|pose| pose.stability_margin_m.is_some());
@@ -94,19 +94,12 @@ pub(crate) fn poses_csv(joints: &[Joint], poses: &[PlannedPose]) -> Result<Vec<u
     writer.into_inner().map_err(|error| csv::Error::from(error.into_error()))
 }
 
-/// Headings of the joints' columns with the units of revolute and prismatic joints: `joint_waist_rad`.
-pub(crate) fn joint_columns(joints: &[Joint], [angle, length]: [&str; 2]) -> impl Iterator<Item = String> {
-    joints.iter().map(move |joint| {
-        let unit = if joint.kind == JointKind::Prismatic { length } else { angle };
-        format!("joint_{}_{unit}", joint.name)
-    })
+/// Headings of the joints' columns with their units: `joint_waist_rad`.
+pub(crate) fn joint_columns(joints: &[Joint], unit: fn(JointKind) -> &'static str) -> impl Iterator<Item = String> {
+    joints.iter().map(move |joint| format!("joint_{}_{}", joint.name, unit(joint.kind)))
 }
 
 /// Joint values `q` (rad or m) as people read them: in degrees, of prismatic joints in mm.
 pub fn joints_deg(chain: &Chain, q: &[f64]) -> Vec<f64> {
-    let in_unit = |(joint, q): (&Joint, &f64)| match joint.kind {
-        JointKind::Revolute => q.to_degrees(),
-        JointKind::Prismatic => q * 1e3,
-    };
-    chain.joints.iter().zip(q).map(in_unit).collect()
+    chain.joints.iter().zip(q).map(|(joint, &q)| joint.kind.to_display(q)).collect()
 }

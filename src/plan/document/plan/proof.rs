@@ -4,7 +4,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::information::Criterion;
-use crate::plan::choose::{ACCURACY, Objective, Reached, SearchSummary};
+use crate::plan::choose::{Objective, Reached, SearchSummary};
+use crate::problem::Goal;
 use crate::selection::packed::{packed_len, unpack};
 use crate::selection::{Certificate, SearchEnd};
 
@@ -110,7 +111,7 @@ impl CertificateDocument {
             let (own, others) = rest.split_at(packed_len(p));
             rest = others;
             CertificateTerm {
-                criterion: criterion.map_or(ACCURACY, Criterion::name).into(),
+                criterion: criterion.map_or(Goal::ACCURACY, Criterion::name).into(),
                 share,
                 matrix: unpack(own, p).row_iter().map(|row| row.iter().copied().collect()).collect(),
             }

@@ -12,6 +12,7 @@ use parquet::schema::parser::parse_message_type;
 use super::pose::{Pose, joint_columns};
 use crate::feasibility::View;
 use crate::problem::Problem;
+use crate::robot::JointKind;
 
 /// Columns of numbers beside the id: joint values (rad or m), camera position (m) and orientation, intersection of the
 /// optical axis with the target's plane (m, NaN where there is none), tilt (deg), distance (m); the tip-over margin (m) where
@@ -39,7 +40,7 @@ impl Table {
             "tilt_deg",
             "distance_m",
         ];
-        let names = joint_columns(joints, ["rad", "m"]).chain(fixed.map(String::from));
+        let names = joint_columns(joints, JointKind::unit).chain(fixed.map(String::from));
         let margin = problem.stability.as_ref().map(|_| "stability_margin_m".to_owned());
         let corners = problem.visibility.min_corners.map(|_| "corners".to_owned());
         let names: Vec<String> = names.chain(margin).chain(corners).collect();

@@ -5,11 +5,9 @@ use serde::Serialize;
 
 use super::{CameraSights, SelfCollision};
 use crate::camera::Camera;
-use crate::feasibility::LinkPairs;
-use crate::plan::document::header::{Document, Header, ProblemReference, finite};
+use crate::plan::document::header::{Document, Header, ProblemReference};
 use crate::plan::document::plan::CollisionDocument;
-use crate::plan::survey::{Diagnosis, Forecast, Obstacle, Smell};
-use crate::problem::Problem;
+use crate::plan::survey::{Diagnosis, Obstacle, Smell};
 
 /// A valid problem, and what a run on it would find and take.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -110,44 +108,8 @@ impl Document for CheckDocument {
     const VERSION: u32 = 2;
 }
 
-impl CheckDocument {
-    /// What is `forecast` for `problem`, whose pairs of links are `links`; with the limit (s) of a search that follows, a
-    /// diagnosis where views are scarce, and a warning where memory is.
-    pub fn new(
-        problem: &Problem,
-        links: &LinkPairs,
-        forecast: &Forecast,
-        search_limit: Option<f64>,
-        diagnosis: Option<&Diagnosis>,
-        memory_warning: Option<String>,
-    ) -> Self {
-        let tree = &problem.robot.tree;
-        // The mass is that of any configuration.
-        let center_of_mass = tree.center_of_mass(&tree.link_poses(&problem.robot.chain.mid_range()));
-        let notes = problem.notes.iter().map(|note| NoteDocument { key: note.key.clone(), note: note.text.clone() });
-        Self {
-            header: Self::header(),
-            problem: ProblemReference::new(problem),
-            configurations: problem.space.len(),
-            estimated_views: forecast.views,
-            estimated_poses: forecast.count,
-            estimated_seconds: finite(forecast.seconds),
-            search_limit_seconds: search_limit,
-            estimated_memory_mb: finite((forecast.bytes / 1e6).ceil()),
-            memory_warning,
-            diagnosis: diagnosis.map(DiagnosisDocument::new),
-            camera: CameraSights::new(problem),
-            lens: LensDocument::new(&problem.camera),
-            collision: CollisionDocument::new(problem, links),
-            self_collision: SelfCollision::new(problem, links),
-            mass_kg: center_of_mass.map(|center| center.mass),
-            notes: notes.collect(),
-        }
-    }
-}
-
 impl DiagnosisDocument {
-    fn new(diagnosis: &Diagnosis) -> Self {
+    pub(crate) fn new(diagnosis: &Diagnosis) -> Self {
         let obstacle = |Obstacle { stops_all, nearest }: &Obstacle| ObstacleDocument {
             reason: nearest.name().into(),
             stops_all: *stops_all,
@@ -165,7 +127,7 @@ impl DiagnosisDocument {
 }
 
 impl LensDocument {
-    fn new(camera: &Camera) -> Self {
+    pub(crate) fn new(camera: &Camera) -> Self {
         Self {
             model: camera.lens().name().into(),
             picture_reached: camera.coverage(),

@@ -4,11 +4,14 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
-use super::Survey;
-use super::refine::{PICKS, join, spacings};
-use crate::feasibility::{Rejection, View};
-use crate::plan::assess::verify;
-use crate::plan::choose::{Chooser, PlanError};
+use super::verify::verify;
+use crate::feasibility::{LinkPairs, Rejection, View};
+use crate::plan::choose::{Chooser, PICKS, PlanError};
+use crate::plan::document::{
+    CameraSights, CheckDocument, CollisionDocument, DiagnosisDocument, Document, LensDocument, NoteDocument,
+    ProblemReference, SelfCollision, finite,
+};
+use crate::plan::survey::{Diagnosis, Survey, join, spacings};
 use crate::problem::{Goal, Method, PoseConstraints, Problem};
 use crate::sweep::{AxisRule, sweep};
 use crate::target::AxisCase;
@@ -56,6 +59,42 @@ pub struct Forecast {
     pub seconds: f64,
     /// Bytes of memory at most.
     pub bytes: f64,
+}
+
+impl Forecast {
+    /// The forecast, and what else `check` says of a problem with these `links`: a diagnosis where views are scarce, a warning
+    /// where memory is.
+    pub fn document(
+        &self,
+        problem: &Problem,
+        links: &LinkPairs,
+        diagnosis: Option<&Diagnosis>,
+        memory_warning: Option<String>,
+    ) -> CheckDocument {
+        let tree = &problem.robot.tree;
+        // The mass is that of any configuration.
+        let center_of_mass = tree.center_of_mass(&tree.link_poses(&problem.robot.chain.mid_range()));
+        let notes = problem.notes.iter().map(|note| NoteDocument { key: note.key.clone(), note: note.text.clone() });
+        let selection = &problem.selection;
+        CheckDocument {
+            header: CheckDocument::header(),
+            problem: ProblemReference::new(problem),
+            configurations: problem.space.len(),
+            estimated_views: self.views,
+            estimated_poses: self.count,
+            estimated_seconds: finite(self.seconds),
+            search_limit_seconds: selection.goal.searches().then_some(selection.time_limit.as_secs_f64()),
+            estimated_memory_mb: finite((self.bytes / 1e6).ceil()),
+            memory_warning,
+            diagnosis: diagnosis.map(DiagnosisDocument::new),
+            camera: CameraSights::new(problem),
+            lens: LensDocument::new(&problem.camera),
+            collision: CollisionDocument::new(problem, links),
+            self_collision: SelfCollision::new(problem, links),
+            mass_kg: center_of_mass.map(|center| center.mass),
+            notes: notes.collect(),
+        }
+    }
 }
 
 /// What was learnt of the candidates.

@@ -1,0 +1,471 @@
+//! What a plan's poses are worth and what its certificate proves, by the definitions alone.
+//!
+//! Nothing here is shared with the code that chose the poses and proved the bound: the problem's models (robot, camera, board,
+//! what one view tells), full matrices, eigenvalues and a sort. The definitions, for the certificate in the plan's document:
+//!
+//! ```text
+//! value     log Φ(M) = Σ_t λ_t log Φ_t(M_t),  M_t = M_t0 + Σ M_ti over the poses, λ_t the criteria's shares
+//! polar     Φ°(Y) = inf ⟨Y, M⟩ / Φ(M) over M ≻ 0;  of several criteria log Φ°(Y) = Σ_t λ_t (log Φ_t°(Y_t) − log λ_t)
+//! scores    s_i = Σ_t ⟨Y_t, M_ti⟩, less the prices of the groups that i is in
+//! bound     S = Σ_t ⟨Y_t, M_t0⟩ + the scores of the required + the greatest others, k in all + Σ_c price_c · most_c
+//!           and log Φ(M) ≤ log S − log Φ°(Y) for every allowed set of k, because ⟨Y, M⟩ ≤ S and Φ(M) Φ°(Y) ≤ ⟨Y, M⟩
+//!
+//! criterion        M_i                                     Φ                     Φ°
+//! d, diversity     of the intrinsics; z zᵀ of the view     (det M)^(1/p)         p (det Y)^(1/p)
+//! e, zhang         in px units; Zhang's closed form        least eigenvalue      tr Y
+//! a, v             of the intrinsics                       1 / tr(W M⁻¹)         (tr (Lᵀ Y L)^½)²,  W = L Lᵀ
+//! accuracy         of the intrinsics                       1 / max_j tr(W_j M⁻¹) that of W = Σ λ_j W_j, λ the mixture
+//! ```
+//!
+//! Sources: Pukelsheim, *Optimal Design of Experiments* (1993), chapters 5 and 7 (information functions and polarity); the
+//! book's page "The method" has the proofs.
+
+use nalgebra::{DMatrix, DVector, Point3, Vector3};
+use rayon::prelude::*;
+
+use super::error::CertifyError;
+use super::rules::{Group, Rules};
+use crate::feasibility::View;
+use crate::information::{Criterion, DiversityModel, Measurement};
+use crate::plan::document::{CertificateDocument, CertificateTerm, Price};
+use crate::plan::survey::Survey;
+use crate::problem::{Accuracy, Goal, Problem};
+use crate::spatial::Pose;
+use crate::target::Corners;
+
+/// A logarithm and how far rounding, here and where the plan was made, may have moved it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Rounded {
+    pub(super) log: f64,
+    pub(super) uncertainty: f64,
+}
+
+/// Standard deviations and map error that the poses promise.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Accuracies {
+    /// Of each estimated intrinsic.
+    pub(super) sigma: Vec<f64>,
+    /// In px.
+    pub(super) map_error: f64,
+    /// How far rounding may have moved them, as a share.
+    pub(super) uncertainty: f64,
+}
+
+/// Rounding moves a sum of matrices of order p, scaled to a unit diagonal, by no more than p times this.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// What a problem's poses and certificates are judged by.
+pub(super) struct Evidence<'a> {
+    problem: &'a Problem,
+    survey: &'a Survey,
+    measurement: Measurement<'a>,
+    /// p×p information on the intrinsics before the first pose.
+    known: DMatrix<f64>,
+    terms: Vec<Term>,
+    pub(super) rules: Rules,
+}
+
+/// One term of what is optimised.
+struct Term {
+    name: &'static str,
+    share: f64,
+    source: Source,
+    /// M₀.
+    known: DMatrix<f64>,
+    function: Function,
+}
+
+/// What a view's matrix is.
+enum Source {
+    /// Its information on the intrinsics.
+    Intrinsics,
+    /// That with each intrinsic in its unit.
+    InUnits(DVector<f64>),
+    /// Its part in Zhang's closed form.
+    Zhang,
+    /// `z zᵀ` of its features.
+    Diversity(DiversityModel),
+}
+
+/// Φ, see the table above.
+enum Function {
+    Determinant,
+    LeastEigenvalue,
+    Variance(DMatrix<f64>),
+    WorstVariance(Vec<DMatrix<f64>>),
+}
+
+impl<'a> Evidence<'a> {
+    /// For a plan by `criteria`, shares beside them, or by the accuracies that the problem wishes for.
+    pub(super) fn new(
+        problem: &'a Problem,
+        survey: &'a Survey,
+        criteria: Option<&[(Criterion, f64)]>,
+    ) -> Result<Self, CertifyError> {
+        let measurement = problem.measurement();
+        let captured = captured(problem)?;
+        let mut known = DMatrix::zeros(problem.unknowns().len(), problem.unknowns().len());
+        for &(j, sigma) in &problem.prior_sigma {
+            known[(j, j)] += sigma.powi(-2);
+        }
+        for (X_CT, seen) in &captured {
+            known += matrix(measurement.information(X_CT, seen), known.nrows())?;
+        }
+        let rules = Rules::new(problem, survey);
+        let mut evidence = Self { problem, survey, measurement, known, terms: Vec::new(), rules };
+        evidence.terms = match criteria {
+            Some(criteria) => criteria
+                .iter()
+                .map(|&(criterion, share)| evidence.term(criterion, share, &captured))
+                .collect::<Result<_, _>>()?,
+            None => vec![evidence.accuracy_term()],
+        };
+        Ok(evidence)
+    }
+
+    /// The term of a criterion: its definition.
+    fn term(&self, criterion: Criterion, share: f64, captured: &[(Pose, Corners)]) -> Result<Term, CertifyError> {
+        let unknowns = self.problem.unknowns();
+        let units = || DVector::from_vec(unknowns.pixel_units());
+        let known = || self.known.clone();
+        let (source, known, function) = match criterion {
+            Criterion::D => (Source::Intrinsics, known(), Function::Determinant),
+            Criterion::A => {
+                let weight = DMatrix::from_diagonal(&units().map(|unit| unit.powi(-2)));
+                (Source::Intrinsics, known(), Function::Variance(weight))
+            }
+            Criterion::V => (Source::Intrinsics, known(), Function::Variance(unknowns.map_error_weight())),
+            Criterion::E => {
+                let known = in_units(&self.known, &units());
+                (Source::InUnits(units()), known, Function::LeastEigenvalue)
+            }
+            Criterion::Zhang => {
+                let mut known = DMatrix::zeros(5, 5);
+                for (X_CT, seen) in captured {
+                    known += matrix(self.measurement.zhang_information(X_CT, seen), 5)?;
+                }
+                (Source::Zhang, known, Function::LeastEigenvalue)
+            }
+            Criterion::Diversity => {
+                let views: Vec<Pose> = self.survey.views.iter().map(|view| view.X_CT).collect();
+                let model = DiversityModel::new(&views);
+                let p = model.monomials().len();
+                let of_view = |X_CT| matrix(Some(model.information(X_CT)), p);
+                let mut known = DMatrix::zeros(p, p);
+                for X_CT in &views {
+                    known += of_view(X_CT)? * (DiversityModel::PRIOR / views.len() as f64);
+                }
+                for (X_CT, _) in captured {
+                    known += of_view(X_CT)?;
+                }
+                (Source::Diversity(model), known, Function::Determinant)
+            }
+        };
+        Ok(Term { name: criterion.name(), share, source, known, function })
+    }
+
+    /// The worst of the accuracies, each variance as a share of what is wished for.
+    fn accuracy_term(&self) -> Term {
+        let p = self.known.nrows();
+        let weight = |&(accuracy, wished): &(Accuracy, f64)| {
+            let weight = match accuracy {
+                Accuracy::MapError => self.problem.unknowns().map_error_weight(),
+                Accuracy::Intrinsic(j) => DMatrix::from_fn(p, p, |r, c| if r == j && c == j { 1.0 } else { 0.0 }),
+            };
+            weight / (wished * wished)
+        };
+        let function = Function::WorstVariance(self.problem.selection.goal.accuracies().iter().map(weight).collect());
+        Term { name: Goal::ACCURACY, share: 1.0, source: Source::Intrinsics, known: self.known.clone(), function }
+    }
+
+    /// A term's matrix of a view.
+    fn matrix(&self, term: &Term, view: usize) -> Result<DMatrix<f64>, CertifyError> {
+        let View { X_CT, seen, .. } = &self.survey.views[view];
+        let p = term.known.nrows();
+        match &term.source {
+            Source::Intrinsics => matrix(self.measurement.information(X_CT, seen), p),
+            Source::InUnits(units) => Ok(in_units(&matrix(self.measurement.information(X_CT, seen), p)?, units)),
+            Source::Zhang => matrix(self.measurement.zhang_information(X_CT, seen), p),
+            Source::Diversity(model) => matrix(Some(model.information(X_CT)), p),
+        }
+    }
+
+    /// M of a term.
+    fn total(&self, term: &Term, selected: &[usize]) -> Result<DMatrix<f64>, CertifyError> {
+        selected.iter().try_fold(term.known.clone(), |M, &i| Ok(M + self.matrix(term, i)?))
+    }
+
+    /// log Φ of the poses.
+    pub(super) fn log_value(&self, selected: &[usize]) -> Result<Rounded, CertifyError> {
+        let mut value = Rounded { log: 0.0, uncertainty: 0.0 };
+        for term in &self.terms {
+            let M = self.total(term, selected)?;
+            value.log += term.share * term.function.log_value(&M);
+            value.uncertainty += term.share * term.function.uncertainty(&M);
+        }
+        Ok(value)
+    }
+
+    /// Each pose's share of the information, `⟨∇log Φ(M), M_i⟩`.
+    pub(super) fn shares(&self, selected: &[usize]) -> Result<Vec<f64>, CertifyError> {
+        let mut shares = vec![0.0; selected.len()];
+        for term in &self.terms {
+            let Y = term.function.gradient(&self.total(term, selected)?) * term.share;
+            for (share, &i) in shares.iter_mut().zip(selected) {
+                *share += self.matrix(term, i)?.dot(&Y);
+            }
+        }
+        Ok(shares)
+    }
+
+    /// σ = √diag(M⁻¹) and √tr(W M⁻¹) of the poses.
+    pub(super) fn accuracies(&self, selected: &[usize]) -> Result<Accuracies, CertifyError> {
+        let mut M = self.known.clone();
+        for &i in selected {
+            let View { X_CT, seen, .. } = &self.survey.views[i];
+            M += matrix(self.measurement.information(X_CT, seen), M.nrows())?;
+        }
+        let covariance = inverse(&M);
+        let map_error = (self.problem.unknowns().map_error_weight() * &covariance).trace().sqrt();
+        let sigma = covariance.diagonal().iter().map(|variance| variance.sqrt()).collect();
+        Ok(Accuracies { sigma, map_error, uncertainty: uncertainty(&scaled(&M).0) })
+    }
+
+    /// log Φ in the unit in which plans state it: log det, a variance, an eigenvalue; of several terms or accuracies Φ.
+    pub(super) fn natural(&self, log: f64) -> f64 {
+        match self.terms.as_slice() {
+            [Term { function: Function::Determinant, known, .. }] => log * known.nrows() as f64,
+            [Term { function: Function::Variance(_), .. }] => (-log).exp(),
+            _ => log.exp(),
+        }
+    }
+
+    /// log Φ of what a plan states.
+    pub(super) fn log_of(&self, natural: f64) -> f64 {
+        match self.terms.as_slice() {
+            [Term { function: Function::Determinant, known, .. }] => natural / known.nrows() as f64,
+            [Term { function: Function::Variance(_), .. }] => -natural.ln(),
+            _ => natural.ln(),
+        }
+    }
+
+    /// The logarithm of `S / Φ°(Y)`: no allowed set of `count` views has a greater log Φ.
+    pub(super) fn log_bound(&self, certificate: &CertificateDocument, count: usize) -> Result<Rounded, CertifyError> {
+        // The bound is what is computed here; whether it is the one stated the caller asks.
+        let CertificateDocument { bound: _, terms: stated, mixture, prices } = certificate;
+        let Rules { required, forbidden, groups, .. } = &self.rules;
+        let accuracies = self.terms.iter().map(|term| term.function.mixed()).sum::<usize>();
+        let in_all = if accuracies == 0 { 0.0 } else { 1.0 };
+        let mixed = mixture.len() == accuracies
+            && mixture.iter().all(|&λ| λ >= 0.0)
+            && (mixture.iter().sum::<f64>() - in_all).abs() < 1e-9;
+        let priced = |&Price { group, price }: &Price| price >= 0.0 && group < groups.len();
+        if stated.len() != self.terms.len() || !mixed || !prices.iter().all(priced) || count < required.len() {
+            return Err(CertifyError::Prices);
+        }
+        let mut scores = vec![0.0; self.survey.views.len()];
+        // Sums of the products' sizes, for rounding.
+        let mut sizes = scores.clone();
+        let (mut given, mut entries) = (0.0, 0);
+        let (mut least_polar, mut greatest_polar) = (0.0, 0.0);
+        for (CertificateTerm { criterion, share, matrix }, term) in stated.iter().zip(&self.terms) {
+            if criterion != term.name {
+                return Err(CertifyError::Criterion { stated: term.name.into(), found: criterion.clone() });
+            }
+            if *share != term.share {
+                return Err(CertifyError::Number { what: "a share".into(), stated: *share, found: term.share });
+            }
+            let order = term.known.nrows();
+            let Y = semidefinite(matrix, order)
+                .ok_or_else(|| CertifyError::Matrix { criterion: criterion.clone(), order })?;
+            let size = Y.abs();
+            scores.par_iter_mut().zip(&mut sizes).enumerate().try_for_each(
+                |(i, (score, total))| -> Result<(), CertifyError> {
+                    let M = self.matrix(term, i)?;
+                    *score += M.dot(&Y);
+                    *total += M.abs().dot(&size);
+                    Ok(())
+                },
+            )?;
+            given += term.known.dot(&Y);
+            entries += order * order;
+            let shift = ROUNDING * order as f64;
+            // Of the values that rounding leaves open the least, so that the bound holds.
+            least_polar += term.share * (term.function.log_polar(&Y, mixture, -shift) - term.share.ln());
+            greatest_polar += term.share * (term.function.log_polar(&Y, mixture, shift) - term.share.ln());
+        }
+        for &Price { group, price } in prices {
+            let Group { members, most } = &groups[group];
+            for &i in members {
+                scores[i] -= price;
+            }
+            given += price * *most as f64;
+        }
+        let mut free: Vec<usize> =
+            (0..scores.len()).filter(|i| !forbidden[*i] && required.binary_search(i).is_err()).collect();
+        free.sort_unstable_by(|&a, &b| scores[b].total_cmp(&scores[a]));
+        free.truncate(count - required.len());
+        let counted = || required.iter().chain(&free);
+        let S = given + counted().map(|&i| scores[i]).sum::<f64>();
+        let rounding = entries as f64 * f64::EPSILON * counted().map(|&i| sizes[i]).sum::<f64>();
+        let log = (S + rounding).ln() - least_polar;
+        Ok(Rounded { log, uncertainty: 2.0 * rounding / S + greatest_polar - least_polar })
+    }
+}
+
+/// `X_CT` and the corners seen of the views taken already.
+fn captured(problem: &Problem) -> Result<Vec<(Pose, Corners)>, CertifyError> {
+    let corners: Vec<Point3<f64>> = problem.target.board.corners().collect();
+    let least = problem.visibility.min_corners.unwrap_or(corners.len());
+    let views = problem.constraints.captured.iter().enumerate();
+    views
+        .map(|(view, q)| {
+            let X_CT = problem.robot.camera_pose(q).inverse() * problem.target.X_BT;
+            let is_seen = |corner: &Point3<f64>| {
+                problem.camera.project(&(X_CT * corner)).is_some_and(|pixel| problem.camera.contains(&pixel, 0.0))
+            };
+            let seen: Vec<usize> = (0..corners.len()).filter(|&i| is_seen(&corners[i])).collect();
+            let faces_camera = (X_CT.rotation * Vector3::z()).dot(&X_CT.translation.vector) < 0.0;
+            if !faces_camera || seen.len() < least {
+                return Err(CertifyError::CapturedUnseen { view: view + 1 });
+            }
+            Ok((X_CT, Corners::Some(seen)))
+        })
+        .collect()
+}
+
+impl Function {
+    /// Number of variances that are mixed.
+    fn mixed(&self) -> usize {
+        match self {
+            Self::Determinant | Self::LeastEigenvalue | Self::Variance(_) => 0,
+            Self::WorstVariance(weights) => weights.len(),
+        }
+    }
+
+    /// log Φ(M).
+    fn log_value(&self, M: &DMatrix<f64>) -> f64 {
+        match self {
+            Self::Determinant => log_det(M) / M.nrows() as f64,
+            Self::LeastEigenvalue => M.symmetric_eigenvalues().min().ln(),
+            Self::Variance(W) => -(W * inverse(M)).trace().ln(),
+            Self::WorstVariance(weights) => -worst(weights, &inverse(M)).1.ln(),
+        }
+    }
+
+    /// How far rounding may move log Φ(M). Where it moves M by no more than a share ρ, `(1 − ρ) M ⪯ M' ⪯ (1 + ρ) M`, it moves
+    /// every Φ by no more than that, for Φ is monotone and homogeneous.
+    fn uncertainty(&self, M: &DMatrix<f64>) -> f64 {
+        match self {
+            Self::LeastEigenvalue => uncertainty(&(M / M.diagonal().max())),
+            Self::Determinant | Self::Variance(_) | Self::WorstVariance(_) => uncertainty(&scaled(M).0),
+        }
+    }
+
+    /// The gradient of log Φ at M; of a least number the first's.
+    fn gradient(&self, M: &DMatrix<f64>) -> DMatrix<f64> {
+        let of_variance = |W: &DMatrix<f64>| {
+            let covariance = inverse(M);
+            &covariance * W * &covariance / (W * &covariance).trace()
+        };
+        match self {
+            Self::Determinant => inverse(M) / M.nrows() as f64,
+            Self::LeastEigenvalue => {
+                let eigen = M.clone().symmetric_eigen();
+                let least = eigen.eigenvalues.imin();
+                let v = eigen.eigenvectors.column(least);
+                v * v.transpose() / eigen.eigenvalues[least]
+            }
+            Self::Variance(W) => of_variance(W),
+            Self::WorstVariance(weights) => of_variance(&weights[worst(weights, &inverse(M)).0]),
+        }
+    }
+
+    /// log Φ°(Y) with the eigenvalues of Y, scaled, moved by `shift`; Φ° is monotone.
+    fn log_polar(&self, Y: &DMatrix<f64>, mixture: &[f64], shift: f64) -> f64 {
+        match self {
+            Self::Determinant => {
+                let p = Y.nrows() as f64;
+                let (scaled, units) = scaled(Y);
+                let eigenvalues = scaled.symmetric_eigenvalues().map(|λ| (λ + shift).max(0.0).ln());
+                p.ln() + (eigenvalues.sum() + 2.0 * units.map(f64::ln).sum()) / p
+            }
+            Self::LeastEigenvalue => Y.trace().ln(),
+            Self::Variance(W) => log_polar_of_variance(W, Y, shift),
+            Self::WorstVariance(weights) => {
+                let mixed = weights.iter().zip(mixture).map(|(W, λ)| W * *λ);
+                log_polar_of_variance(&mixed.fold(Y * 0.0, |sum, W| sum + W), Y, shift)
+            }
+        }
+    }
+}
+
+/// The greatest of `tr(W_j M⁻¹)`, and which it is.
+fn worst(weights: &[DMatrix<f64>], covariance: &DMatrix<f64>) -> (usize, f64) {
+    let variances = weights.iter().map(|W| (W * covariance).trace()).enumerate();
+    variances.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, f64::NAN))
+}
+
+/// `2 log tr (LᵀYL)^½` for W = L Lᵀ. The trace is the sum of the singular values of RᵀL for Y = R Rᵀ; the solver works with their
+/// squares, and so has the rounding of these.
+fn log_polar_of_variance(W: &DMatrix<f64>, Y: &DMatrix<f64>, shift: f64) -> f64 {
+    let (L, R) = (square_root(W, 0.0), square_root(Y, shift));
+    let roots = (R.transpose() * L).singular_values();
+    let moved = |σ: f64| (σ * σ + shift * roots.max().powi(2)).max(0.0).sqrt();
+    2.0 * roots.map(moved).sum().ln()
+}
+
+/// The symmetric matrix of its lower triangle, row by row, as a view's information is given.
+fn matrix(packed: Option<Vec<f64>>, p: usize) -> Result<DMatrix<f64>, CertifyError> {
+    let packed = packed.ok_or(CertifyError::Undetermined)?;
+    let entry = |i: usize, j: usize| packed[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)];
+    Ok(DMatrix::from_fn(p, p, entry))
+}
+
+/// D M D, D = diag(units).
+fn in_units(M: &DMatrix<f64>, units: &DVector<f64>) -> DMatrix<f64> {
+    DMatrix::from_fn(M.nrows(), M.ncols(), |i, j| M[(i, j)] * (units[i] * units[j]))
+}
+
+/// The symmetric positive semidefinite matrix of its rows.
+fn semidefinite(rows: &[Vec<f64>], p: usize) -> Option<DMatrix<f64>> {
+    if rows.len() != p || rows.iter().any(|row| row.len() != p || row.iter().any(|entry| !entry.is_finite())) {
+        return None;
+    }
+    let Y = DMatrix::from_fn(p, p, |i, j| rows[i][j]);
+    let scaled = scaled(&Y).0;
+    (Y == Y.transpose() && scaled.symmetric_eigenvalues().min() >= -1e-9).then_some(Y)
+}
+
+/// M in units that make its diagonal 1, and the units: parameters in unlike units lose their small eigenvalues otherwise.
+fn scaled(M: &DMatrix<f64>) -> (DMatrix<f64>, DVector<f64>) {
+    let units = M.diagonal().map(|m| if m > 0.0 { m.sqrt() } else { 1.0 });
+    (DMatrix::from_fn(M.nrows(), M.ncols(), |i, j| M[(i, j)] / (units[i] * units[j])), units)
+}
+
+/// How far rounding may move a matrix with a diagonal of at most 1, as a share of it; infinite if it is singular.
+fn uncertainty(scaled: &DMatrix<f64>) -> f64 {
+    let share = ROUNDING * scaled.nrows() as f64 / scaled.symmetric_eigenvalues().min();
+    if share > 0.0 { share } else { f64::INFINITY }
+}
+
+fn log_det(M: &DMatrix<f64>) -> f64 {
+    let (scaled, units) = scaled(M);
+    scaled.symmetric_eigenvalues().map(f64::ln).sum() + 2.0 * units.map(f64::ln).sum()
+}
+
+fn inverse(M: &DMatrix<f64>) -> DMatrix<f64> {
+    let (scaled, units) = scaled(M);
+    let eigen = scaled.symmetric_eigen();
+    let inverted = DMatrix::from_diagonal(&eigen.eigenvalues.map(f64::recip));
+    let inverse = &eigen.eigenvectors * inverted * eigen.eigenvectors.transpose();
+    DMatrix::from_fn(M.nrows(), M.ncols(), |i, j| inverse[(i, j)] / (units[i] * units[j]))
+}
+
+/// A root R with `R Rᵀ = Y`, in Y's units, the eigenvalues moved by `shift`.
+fn square_root(Y: &DMatrix<f64>, shift: f64) -> DMatrix<f64> {
+    let (scaled, units) = scaled(Y);
+    let eigen = scaled.symmetric_eigen();
+    let roots = eigen.eigenvalues.map(|λ| (λ + shift).max(0.0).sqrt());
+    DMatrix::from_diagonal(&units) * &eigen.eigenvectors * DMatrix::from_diagonal(&roots)
+}
