@@ -210,7 +210,7 @@ fn the_rarer_parts_of_documents_are_as_their_schemas_say() {
     assert!(exact["search"]["open_views"].is_u64());
     held.hold(&exact);
     let chosen = "criterion = \"v\"\nmethod = \"best\"\ncount = 10";
-    desk.change("accurate.toml", &[(chosen, "accuracy = { map_error_px = 5.0 }")]);
+    desk.change("accurate.toml", &[(chosen, "accuracy = { map_error_px = 5.0 }\nnode_limit = 9")]);
     let accurate = desk.json("plan accurate.toml --trials 0 -o accurate --json");
     assert!(accurate["fewest"]["least"].is_u64());
     held.hold(&accurate);
