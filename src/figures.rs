@@ -21,6 +21,22 @@ pub fn fixed(number: f64, decimals: usize) -> String {
     if is_zero { text.trim_start_matches('-').to_owned() } else { text }
 }
 
+/// A number to four significant digits.
+pub fn short(number: f64) -> String {
+    if !number.is_finite() {
+        return "-".into();
+    }
+    if number == 0.0 {
+        return "0".into();
+    }
+    let magnitude = number.abs().log10().floor() as i32;
+    if (-4..5).contains(&magnitude) {
+        format!("{number:.*}", (3 - magnitude).max(0) as usize)
+    } else {
+        format!("{number:.2e}")
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -83,6 +83,11 @@ impl Board {
         )
     }
 
+    /// Column and row of the corner with that index, counted row by row.
+    pub fn column_and_row(&self, index: usize) -> (usize, usize) {
+        (index % self.columns, index / self.columns)
+    }
+
     /// All corners in T, row by row: `columns × rows` points with z = 0.
     pub fn corners(&self) -> impl ExactSizeIterator<Item = Point3<f64>> + '_ {
         (0..self.corner_count()).map(|i| self.corner(i % self.columns, i / self.columns))

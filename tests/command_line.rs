@@ -43,6 +43,7 @@ fn plan_says_and_writes_what_it_found() {
     let documented = [
         "format",
         "version",
+        "calipose",
         "problem",
         "criterion",
         "method",
@@ -51,7 +52,7 @@ fn plan_says_and_writes_what_it_found() {
         "value",
         "bound",
         "efficiency",
-        "candidates",
+        "survey",
         "intrinsics",
         "map_error_px",
         "certificate",
@@ -61,9 +62,9 @@ fn plan_says_and_writes_what_it_found() {
         assert!(keys(&plan).contains(&key), "{key}");
     }
     assert_eq!(plan["format"], "calipose.plan");
-    assert_eq!(plan["version"], 2);
+    assert_eq!(plan["version"], 3);
     assert_eq!(keys(&plan["problem"]), ["name", "sha256"]);
-    assert_eq!(keys(&plan["candidates"]), ["swept", "axis_inside", "axis_edge", "kept", "rejected"]);
+    assert_eq!(keys(&plan["survey"]), ["swept", "axis_inside", "axis_edge", "views", "rejected"]);
     assert_eq!(keys(&plan["intrinsics"]), ["names", "nominal", "sigma"]);
     assert_eq!(keys(&plan["certificate"]), ["bound", "terms"]);
     assert_eq!(keys(&plan["certificate"]["terms"][0]), ["criterion", "share", "matrix"]);
@@ -84,9 +85,9 @@ fn plan_says_and_writes_what_it_found() {
     let number = |key: &str| plan[key].as_f64().unwrap();
     assert!((number("efficiency") - number("bound") / number("value")).abs() < 1e-9, "v is a variance");
     assert!((number("map_error_px").powi(2) - number("value")).abs() < 1e-9);
-    let rejected: u64 = plan["candidates"]["rejected"].as_object().unwrap().values().map(|n| n.as_u64().unwrap()).sum();
-    let count = |key: &str| plan["candidates"][key].as_u64().unwrap();
-    assert_eq!(count("axis_inside") + count("axis_edge"), count("kept") + rejected);
+    let rejected: u64 = plan["survey"]["rejected"].as_object().unwrap().values().map(|n| n.as_u64().unwrap()).sum();
+    let count = |key: &str| plan["survey"][key].as_u64().unwrap();
+    assert_eq!(count("axis_inside") + count("axis_edge"), count("views") + rejected);
 
     let (header, rows) = read_csv(&desk.path("out/plan.csv"));
     let joints = ["waist", "shoulder", "elbow", "neck"];
@@ -124,14 +125,14 @@ fn every_method_and_criterion_can_be_asked_for() {
 #[test]
 fn the_candidates_are_the_same_in_both_formats() {
     let desk = Desk::new();
-    let kept = desk.json("plan coarse.toml --json --candidates csv -o out")["candidates"]["kept"].as_u64().unwrap();
+    let views = desk.json("plan coarse.toml --json --candidates csv -o out")["survey"]["views"].as_u64().unwrap();
     assert_eq!(desk.stdout("plan coarse.toml --quiet --candidates parquet -o table"), "");
     let others = ["plan.csv", "plan.json", "run.json", "verification.json"];
     assert_eq!(desk.files("out"), [&["candidates.csv"][..], &others].concat());
     assert_eq!(desk.files("table"), [&["candidates.parquet"][..], &others].concat());
 
     let (header, rows) = read_csv(&desk.path("out/candidates.csv"));
-    assert_eq!(rows.len() as u64, kept);
+    assert_eq!(rows.len() as u64, views);
     assert_eq!(header[..5], ["id", "joint_waist_rad", "joint_shoulder_rad", "joint_elbow_rad", "joint_neck_rad"]);
     assert_eq!(header.len(), 1 + 4 + 7 + 3 + 2);
     let file = std::fs::File::open(desk.path("table/candidates.parquet")).unwrap();
@@ -291,7 +292,7 @@ fn compare_sets_the_methods_side_by_side() {
     }
     let document = desk.json(&format!("{line} --json"));
     assert_eq!(document["format"], "calipose.comparison");
-    assert_eq!(keys(&document), ["format", "version", "problem", "criterion", "rows", "equivalents"]);
+    assert_eq!(keys(&document), ["format", "version", "calipose", "problem", "criterion", "rows", "equivalents"]);
     let rows = document["rows"].as_array().unwrap();
     assert_eq!(rows.len(), 2 * 7);
     for row in rows {
@@ -321,7 +322,7 @@ fn sweep_counts_at_several_steps() {
         let count = |key: &str| sweep[key].as_u64().unwrap();
         assert_eq!(count("axis_inside") + count("axis_edge") + count("axis_outside"), count("swept"));
         let rejected: u64 = sweep["rejected"].as_object().unwrap().values().map(|n| n.as_u64().unwrap()).sum();
-        assert_eq!(count("kept") + rejected, count("candidates"));
+        assert_eq!(count("views") + rejected, count("candidates"));
     }
     let told = desk.stdout("sweep coarse.toml --step 20,10");
     assert!(told.contains("Q*") && told.contains("210 672"), "{told}");
@@ -455,8 +456,11 @@ fn verify_refuses_what_is_no_plan_of_the_problem() {
     let plan = std::fs::read_to_string(desk.path("out/plan.json")).unwrap();
     std::fs::write(desk.path("out/plan.json"), &plan[..plan.len() / 2]).unwrap();
     assert!(desk.complaint("verify out/plan.json --problem coarse.toml", 3).contains("not a plan"));
-    std::fs::write(desk.path("out/plan.json"), plan.replace("\"version\": 2", "\"version\": 9")).unwrap();
+    std::fs::write(desk.path("out/plan.json"), plan.replace("\"version\": 3", "\"version\": 9")).unwrap();
     assert!(desk.complaint("verify out/plan.json --problem coarse.toml", 3).contains("version 9"));
+    std::fs::write(desk.path("out/plan.json"), plan.replace("\"version\": 3", "\"version\": 2")).unwrap();
+    let older = desk.complaint("verify out/plan.json --problem coarse.toml", 3);
+    assert!(older.contains("version 2, made by an older calipose") && older.contains("make a new plan"), "{older}");
 }
 
 /// The hash in a plan is of the problem file; the robot is in another.
@@ -531,8 +535,8 @@ fn what_told_of_an_earlier_plan_does_not_stay_beside_a_new_one() {
 fn check_foresees_about_as_many_views_as_the_plan_finds() {
     let desk = Desk::new();
     let foreseen = desk.json("check coarse.toml --json")["estimated_views"].as_f64().unwrap();
-    let kept = desk.json("plan coarse.toml --json --trials 0 -o out")["candidates"]["kept"].as_f64().unwrap();
-    assert!((foreseen / kept - 1.0).abs() < 0.3, "{foreseen} foreseen, {kept} found");
+    let found = desk.json("plan coarse.toml --json --trials 0 -o out")["survey"]["views"].as_f64().unwrap();
+    assert!((foreseen / found - 1.0).abs() < 0.3, "{foreseen} foreseen, {found} found");
 }
 
 /// An accuracy decides on the number of poses; the forecast says about how many.

@@ -5,7 +5,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-use calipose::plan::document::{Explanation, Plan, PolishedPlan};
+use calipose::plan::document::{Document, Explanation, Plan, PolishedPlan};
 use tempfile::TempDir;
 
 fn calipose(folder: &Path, line: &str) -> Output {
@@ -58,7 +58,7 @@ fn explain_tells_of_the_plan_that_was_written() {
     let printed = stdout(desk.path(), line);
     assert_eq!(printed, stdout(desk.path(), line));
     let explained: Explanation = serde_json::from_str(&printed).unwrap();
-    assert_eq!((explained.format.as_str(), explained.version), ("calipose.explanation", 1));
+    assert_eq!((explained.header.format.as_str(), explained.header.version), ("calipose.explanation", 1));
     assert_eq!((explained.criterion, explained.count), (plan.criterion, 9));
     assert!((explained.value - plan.value).abs() < 1e-9);
     assert!((explained.map_error_px.unwrap() - plan.map_error_px).abs() < 1e-9);
@@ -108,7 +108,7 @@ fn polish_writes_better_poses_beside_the_plan() {
     let written = std::fs::read_to_string(desk.path().join("out/polished.json")).unwrap();
     assert_eq!(stdout(desk.path(), "polish out/plan.json --cycles 2 --json"), written);
     let polished: PolishedPlan = serde_json::from_str(&written).unwrap();
-    assert_eq!((polished.format.as_str(), polished.version), ("calipose.polished", 1));
+    assert_eq!((polished.header.format.as_str(), polished.header.version), ("calipose.polished", 1));
     assert_eq!(polished.grid.certificate, plan.certificate);
     assert_eq!((polished.grid.value, polished.grid.bound), (plan.value, plan.bound));
     // A variance.

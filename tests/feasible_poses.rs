@@ -9,7 +9,7 @@ use std::process::Command;
 use calipose::feasibility::{Rejection, View, feasible_views};
 use calipose::plan::assess::verify;
 use calipose::plan::choose::{Chooser, decide};
-use calipose::plan::document::Plan;
+use calipose::plan::document::{Document, Plan};
 use calipose::plan::survey::survey;
 use calipose::problem::{Goal, Method, Problem};
 use calipose::sweep::sweep;
@@ -91,7 +91,7 @@ fn plans_have_the_tip_over_margin_of_every_pose() {
         assert_eq!(pose.get("corners_seen"), None);
     }
     for reason in ["self_collision", "occluded", "unstable"] {
-        assert!(json["candidates"]["rejected"][reason].as_u64().unwrap() > 0);
+        assert!(json["survey"]["rejected"][reason].as_u64().unwrap() > 0);
     }
     assert_eq!(Plan::from_json(&plan.to_json()).unwrap(), plan);
     let csv = String::from_utf8(plan.to_csv(&problem.robot.chain.joints).unwrap()).unwrap();

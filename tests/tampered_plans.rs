@@ -13,7 +13,7 @@ use std::path::Path;
 use calipose::information::Criterion;
 use calipose::plan::assess::{BrokenConstraint, CertifyError, Confirmed, certify};
 use calipose::plan::choose::{Chooser, candidates, decide};
-use calipose::plan::document::Plan;
+use calipose::plan::document::{Document, Plan};
 use calipose::plan::survey::Survey;
 use calipose::problem::{Goal, JointRegion, Method, PoseGroup, Problem, ProblemError};
 use calipose::robot::Limits;
@@ -172,7 +172,7 @@ const COARSE: (&str, &str) = ("step_deg = 8\n", "step_deg = 20\n");
 fn every_change_of_an_ordinary_plan_is_noticed() {
     let coarse = ("step_deg = 8\naxis", "step_deg = 20\nrefine = 1\nrefine_sample = 300\naxis");
     let planned = Planned::new(problem("servosila-engineer", &[coarse], ""));
-    every_change_is_noticed(&planned, &["/candidates/refined", "/poses/0/target_point_m"]);
+    every_change_is_noticed(&planned, &["/survey/refined", "/poses/0/target_point_m"]);
 }
 
 #[test]

@@ -43,6 +43,12 @@ impl Calibration {
     pub fn unknowns(&self) -> Unknowns<'_> {
         Unknowns { camera: &self.camera, estimated: &self.estimated }
     }
+
+    /// Standard deviation of an intrinsic, by its index into [`Camera::intrinsics`]; 0 if it was not estimated.
+    pub fn sigma_of(&self, intrinsic: usize) -> f64 {
+        let place = self.estimated.iter().position(|&j| j == intrinsic);
+        place.map_or(0.0, |i| self.covariance[(i, i)].sqrt())
+    }
 }
 
 /// A corner that does not fit.

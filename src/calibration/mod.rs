@@ -7,6 +7,7 @@
 //! [`calibrate`] runs them in turn. Poses are `X_CT`, from the board's frame T to the camera's C; pixels as in
 //! [`crate::camera`].
 
+mod assessment;
 mod coverage;
 mod estimate;
 mod factor;
@@ -17,16 +18,22 @@ mod observability;
 mod observations;
 mod order;
 mod refinement;
+mod robust;
 mod start;
 mod ties;
 mod zhang;
 
+pub use assessment::{
+    AccuracyReached, Assessment, Judgement, Lacks, MapErrors, MoreViews, OtherLens, ResidualStatistics, TiltLack,
+    WeakCombination, Wish, other_lens, unknown_camera,
+};
 pub use coverage::{Coverage, Region};
 pub use estimate::{Calibration, Outlier, residuals};
 pub use homography::homography;
 pub use loss::Loss;
 pub use observations::{BORDER_TOLERANCE, Corner, FEWEST_CORNERS, ObservationError, Observations, View};
 pub use refinement::{Convergence, RefinementSettings};
+pub use robust::{LossKind, calibrate_by};
 pub use start::{Start, pose_of_view, start};
 pub use ties::Ties;
 pub use zhang::{Pinhole, pose_of_homography};

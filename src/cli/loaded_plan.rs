@@ -6,10 +6,9 @@ use super::output::Screen;
 use super::output::failure::Failure;
 use crate::formats::read_at_most;
 use crate::plan::assess::LocateError;
-use crate::plan::choose::Chooser;
-use crate::plan::choose::candidates;
-use crate::plan::document::Plan;
-use crate::plan::results::{Run, check_results, hold_to_read};
+use crate::plan::choose::{Chooser, candidates};
+use crate::plan::document::{Plan, Run};
+use crate::plan::results::{check_results, hold_to_read};
 use crate::plan::survey::Survey;
 use crate::problem::Problem;
 

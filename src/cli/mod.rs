@@ -98,8 +98,12 @@ enum Command {
         #[arg(long, value_name = "URDF")]
         urdf: Option<PathBuf>,
     },
-    /// Print the JSON Schema of problem files, for editors
-    Schema,
+    /// Print the JSON Schema of problem files, for editors, or of a document that the program writes
+    Schema {
+        /// What to describe: problem files, or the documents of a kind
+        #[arg(long = "for", value_name = "KIND", default_value = init::PROBLEM, value_parser = schema_name())]
+        kind: String,
+    },
     /// Print a completion script for a shell
     Completions {
         /// Shell that is to complete commands and options
@@ -120,6 +124,11 @@ fn by_name<T: Copy + Send + Sync + 'static>(
     use clap::builder::TypedValueParser;
     clap::builder::PossibleValuesParser::new(all.iter().map(|&value| name(value)))
         .try_map(move |text| all.iter().copied().find(|&value| name(value) == text).ok_or("unknown name"))
+}
+
+/// Parser of the names that schemas have.
+fn schema_name() -> impl clap::builder::TypedValueParser<Value = String> {
+    clap::builder::PossibleValuesParser::new(init::schema_names())
 }
 
 /// File format of the candidates.
@@ -176,7 +185,7 @@ fn run(command: &Command, screen: &mut Screen) -> Result<Verdict, Failure> {
         Command::Reach(arguments) => reach::run(arguments, screen).map(good),
         Command::Check(arguments) => check::run(arguments, screen).map(good),
         Command::Init { file, urdf } => init::run(file.as_deref(), urdf.as_deref(), screen).map(good),
-        Command::Schema => init::schema(screen).map(good),
+        Command::Schema { kind } => init::schema(kind).map(good),
         Command::Completions { shell } => completions::completions(*shell).map(good),
         Command::Man { folder } => completions::manual(folder.as_deref(), screen).map(good),
     }

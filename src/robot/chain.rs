@@ -41,6 +41,11 @@ impl Chain {
         self.joints.len()
     }
 
+    /// Joint values in the middle of the joints' ranges.
+    pub fn mid_range(&self) -> Vec<f64> {
+        self.joints.iter().map(|joint| f64::midpoint(joint.limits.min, joint.limits.max)).collect()
+    }
+
     /// Pose `X_BF` of the flange at joint values `q` (rad or m, one per joint).
     pub fn flange_pose(&self, q: &[f64]) -> Pose {
         debug_assert_eq!(q.len(), self.dof());

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use serde_json::json;
 
 use crate::cli::loaded_plan::Planned;
 use crate::cli::output::failure::Failure;
@@ -28,29 +27,9 @@ pub(crate) fn run(arguments: &CertifyArguments, screen: &mut Screen) -> Result<(
     let mut confirmed = certify(plan, problem, &survey).map_err(refused)?;
     confirmed.unchecked.extend(Unchecked::unknown(text, plan));
     planned.among_its_own(&arguments.plan, &[])?;
-    screen.document(
-        &json!({
-            "format": "calipose.certified",
-            "version": 1,
-            "problem": { "name": plan.problem.name, "sha256": plan.problem.sha256 },
-            "criterion": plan.criterion,
-            "count": plan.count,
-            "candidates": confirmed.candidates,
-            "value": confirmed.value,
-            "bound": confirmed.bound,
-            "efficiency": confirmed.efficiency,
-            "least_count": confirmed.least,
-            "tolerance": confirmed.tolerance,
-            "not_checked": confirmed
-                .unchecked
-                .iter()
-                .map(|unchecked| json!({ "field": unchecked.field, "reason": unchecked.reason }))
-                .collect::<Vec<_>>(),
-        })
-        .to_string(),
-    )?;
+    screen.document(&confirmed.document(plan))?;
     let mut text = format!(
-        "{}: the certificate holds. Criterion `{}`, {} poses: value {}, bound {} over all {} candidates, certified efficiency \
+        "{}: the certificate holds. Criterion `{}`, {} poses: value {}, bound {} over all {} views, certified efficiency \
          {:.4}.\nEvery field of the plan was recomputed from the problem file and the plan's matrix, and agrees to {:.0e}, \
          but for those below.",
         plan.problem.name,
@@ -58,7 +37,7 @@ pub(crate) fn run(arguments: &CertifyArguments, screen: &mut Screen) -> Result<(
         plan.count,
         short(confirmed.value),
         short(confirmed.bound),
-        grouped(confirmed.candidates),
+        grouped(confirmed.views),
         confirmed.efficiency,
         confirmed.tolerance,
     );

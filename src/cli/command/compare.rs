@@ -1,9 +1,6 @@
 //! `calipose compare`.
 
-use std::collections::BTreeMap;
-
 use clap::Args;
-use serde_json::{Value, json};
 
 use crate::cli::arguments::{ProblemArguments, SelectionArguments};
 use crate::cli::output::failure::Failure;
@@ -91,7 +88,7 @@ pub(crate) fn run(arguments: &CompareArguments, screen: &mut Screen) -> Result<(
         .collect();
     bar.finish_and_clear();
 
-    screen.document(&document(&problem, &chooser, &comparison.rows, &measured, &equivalents).to_string())?;
+    screen.document(&comparison.document(&problem, &chooser, &measured, &equivalents))?;
     let rows = comparison.rows.iter().zip(&measured);
     let rows: Vec<Vec<String>> =
         rows.map(|(row, measured)| text_row(&problem, &chooser, row, measured.as_ref())).collect();
@@ -151,49 +148,4 @@ fn sentence(count: usize, equivalent: &Equivalent) -> String {
             equivalent.tried
         ),
     }
-}
-
-fn document(
-    problem: &Problem,
-    chooser: &Chooser,
-    rows: &[Row],
-    measured: &[Option<MonteCarlo>],
-    equivalents: &[(usize, Equivalent)],
-) -> Value {
-    let names = problem.unknowns().names();
-    let row = |(row, measured): (&Row, &Option<MonteCarlo>)| {
-        let sigma: serde_json::Map<String, Value> =
-            names.iter().zip(&row.choice.sigma).map(|(name, sigma)| ((*name).to_owned(), json!(sigma))).collect();
-        json!({
-            "method": row.method.name(),
-            "count": row.choice.selected.len(),
-            "value": chooser.natural(row.choice.log_value),
-            "map_error_px": row.choice.map_error,
-            "sigma": sigma,
-            "measured": measured.as_ref().map(|found| json!({
-                "trials": found.count,
-                "failed": found.failures.len(),
-                "map_error_px": found.map_error.measured,
-                "sigma": found.parameters.iter().map(|p| (p.name, p.sampled_sigma)).collect::<BTreeMap<_, _>>(),
-            })),
-            "efficiency": row.efficiency,
-            "seconds": row.time.as_secs_f64(),
-        })
-    };
-    let equivalent = |(count, equivalent): &(usize, Equivalent)| {
-        json!({
-            "count": count,
-            "method": equivalent.method.name(),
-            "equivalent_count": equivalent.poses,
-            "tried": equivalent.tried,
-        })
-    };
-    json!({
-        "format": "calipose.comparison",
-        "version": 1,
-        "problem": { "name": problem.name, "sha256": problem.sha256 },
-        "criterion": chooser.criterion(),
-        "rows": rows.iter().zip(measured).map(row).collect::<Vec<_>>(),
-        "equivalents": equivalents.iter().map(equivalent).collect::<Vec<_>>(),
-    })
 }

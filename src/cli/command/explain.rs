@@ -49,7 +49,7 @@ pub(crate) fn run(arguments: &ExplainArguments, screen: &mut Screen) -> Result<(
     let explained = explain(&planned.problem, &chooser, &selected, &settings, &|points| bar.inc(points as u64));
     bar.finish_and_clear();
     let explanation = explained?;
-    screen.document(&serde_json::to_string_pretty(&explanation).unwrap_or_default())?;
+    screen.document(&explanation)?;
     screen.text(&text(&planned.problem, &explanation))
 }
 

@@ -2,11 +2,10 @@
 
 use std::path::Path;
 
-use serde_json::json;
-
 use crate::cli::interrupt::writing;
 use crate::cli::output::Screen;
 use crate::cli::output::failure::Failure;
+use crate::plan::document::{InitDocument, Kind};
 use crate::plan::results::write_atomically;
 use crate::problem::{STARTER, draft, schema_json};
 
@@ -22,12 +21,21 @@ pub(crate) fn run(file: Option<&Path>, urdf: Option<&Path>, screen: &mut Screen)
         Some(urdf) => draft(urdf, file).map_err(|error| Failure::Draft { path: urdf.to_owned(), error })?,
     };
     writing(|| write_atomically(file, text.as_bytes()))?;
-    screen.document(&json!({ "format": "calipose.init", "version": 1, "file": file }).to_string())?;
+    screen.document(&InitDocument::new(file))?;
     let edit =
         if urdf.is_some() { "Check its lines that say GUESS, replace those that say FILL IN" } else { "Edit it" };
     screen.text(&format!("Written {0}. {edit}, then:\n  calipose check {0}\n  calipose plan {0}", file.display()))
 }
 
-pub(crate) fn schema(_screen: &mut Screen) -> Result<(), Failure> {
-    Screen::print(&format!("{:#}", schema_json()))
+/// Prints the JSON Schema of the documents of that name, or of problem files.
+pub(crate) fn schema(document: &str) -> Result<(), Failure> {
+    Screen::print(&format!("{:#}", Kind::named(document).map_or_else(schema_json, Kind::schema)))
 }
+
+/// Names that [`schema`] knows: [`PROBLEM`] and those of the documents.
+pub(crate) fn schema_names() -> impl Iterator<Item = &'static str> {
+    std::iter::once(PROBLEM).chain(Kind::ALL.into_iter().map(Kind::name))
+}
+
+/// Name of the schema of problem files.
+pub(crate) const PROBLEM: &str = "problem";

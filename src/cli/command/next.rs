@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use serde_json::json;
 
 use super::plan::pose_table;
 use crate::calibration::{CalibrationSettings, calibrate};
@@ -15,6 +14,7 @@ use crate::cli::output::verdict::Verdict;
 use crate::cli::output::{Screen, short, table};
 use crate::formats::{Known, read_detections_file};
 use crate::plan::assess::{Proposal, Wish, next};
+use crate::plan::document::{Document, EstimatedIntrinsics};
 use crate::plan::results::{add_results, probe};
 
 /// Nine of ten map errors are below this multiple of the expected RMS, as long as linearisation holds: 1.645, or less.
@@ -93,41 +93,15 @@ pub(crate) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<Verd
     bar.finish_and_clear();
     let proposal = proposed?;
 
-    let names = problem.unknowns().names();
-    let θ: Vec<f64> = problem.estimated.iter().map(|&i| calibration.camera.intrinsics()[i]).collect();
-    let σ: Vec<f64> = calibration.covariance.diagonal().iter().map(|variance| variance.sqrt()).collect();
-    let repeats: Vec<Option<&str>> = proposal
-        .repeats
-        .iter()
-        .map(|view| view.and_then(|view| detections.names.get(view)).map(String::as_str))
-        .collect();
-    let document = json!({
-        "format": "calipose.next",
-        "version": 1,
-        "problem": { "name": plan.problem.name, "sha256": plan.problem.sha256 },
-        "views": detections.names.len(),
-        "intrinsics": { "names": names, "values": θ, "sigma": σ },
-        "known_map_error_px": proposal.known,
-        "expected_map_error_px": proposal.expected,
-        "simulated_map_error_px": proposal.rehearsal.map(|simulated| json!({
-            "trials": simulated.trials,
-            "failed": simulated.failed,
-            "median": simulated.median,
-            "percentile_90": simulated.percentile_90,
-            "rms": simulated.rms,
-        })),
-        "fulfilled": proposal.fulfilled,
-        "joints": plan.joints,
-        "poses": proposal.poses,
-        "repeats": repeats,
-    });
+    let document = proposal.document(&plan, &calibration, &detections.names);
     let table_of_poses = proposal.to_csv(&problem).map_err(|error| Failure::Table(error.to_string()))?;
     let [document_name, table_name] = FILES;
-    let files = [(table_name, table_of_poses), (document_name, format!("{document:#}\n").into_bytes())];
+    let files = [(table_name, table_of_poses), (document_name, document.to_json().into_bytes())];
     writing(|| add_results(&arguments.plan, text.as_bytes(), None, &files))?;
-    screen.document(&document.to_string())?;
+    screen.document(&document)?;
+    let EstimatedIntrinsics { names, values, sigma } = &document.intrinsics;
     let rows: Vec<Vec<String>> =
-        (0..names.len()).map(|i| vec![names[i].to_owned(), short(θ[i]), short(σ[i])]).collect();
+        (0..names.len()).map(|i| vec![names[i].clone(), short(values[i]), short(sigma[i])]).collect();
     let known = format!(
         "{}: {} views taken.\n\n{}\n\nMap error {} px by what they tell.",
         plan.problem.name,
@@ -146,7 +120,7 @@ pub(crate) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<Verd
         pose_table(&problem, &proposal.poses),
     );
     text += &simulated(&proposal);
-    text += &repeated(&repeats);
+    text += &repeated(&document.repeats);
     if !proposal.fulfilled {
         text += &format!(
             "\n{} poses do not bring it down to {} px; allow more with --most.",
@@ -182,8 +156,8 @@ fn simulated(proposal: &Proposal) -> String {
 }
 
 /// Which of the poses repeat a view, by the names of the views.
-fn repeated(repeats: &[Option<&str>]) -> String {
-    let names: Vec<&str> = repeats.iter().copied().flatten().collect();
+fn repeated(repeats: &[Option<String>]) -> String {
+    let names: Vec<&str> = repeats.iter().flatten().map(String::as_str).collect();
     let rest = match names[..] {
         [] => return String::new(),
         [_] => "repeats a view",

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use clap::Args;
 
-use super::verify as verify_command;
+use super::verify::verdict;
 use crate::cli::arguments::{ProblemArguments, SelectionArguments, method};
 use crate::cli::interrupt::writing;
 use crate::cli::memory::hold_against_memory;
@@ -16,13 +16,12 @@ use crate::cli::output::{Screen, fixed, grouped, joint_columns, short, table};
 use crate::cli::searching::searching;
 use crate::cli::{TableFormat, trials};
 use crate::plan::assess::{compare, verify};
-use crate::plan::choose::candidates;
-use crate::plan::choose::{Chooser, decide};
-use crate::plan::document::{Plan, PlannedPose, candidates_csv, candidates_parquet};
-use crate::plan::results::{PLAN_FILE, RUN_FILE, Run, RunSeconds, add_results, owner, probe, write_results};
+use crate::plan::choose::{Chooser, candidates, decide};
+use crate::plan::document::{Document, Plan, PlannedPose, Run, RunSeconds, Verification, views_csv, views_parquet};
+use crate::plan::results::{PLAN_FILE, RUN_FILE, add_results, owner, probe, write_results};
 use crate::plan::survey::Survey;
 use crate::problem::{Method, Problem};
-use crate::verification::{Disturbance, MonteCarlo};
+use crate::verification::{Disturbance, Judgement, MonteCarlo};
 
 #[derive(Debug, Args)]
 pub(crate) struct PlanArguments {
@@ -87,16 +86,16 @@ pub(crate) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<Verd
     bar.finish_and_clear();
     let verified = verified?;
     if let Some(found) = &verified {
-        let document = verify_command::document(&plan, found, plan.seed);
-        let files = [("verification.json", format!("{document:#}\n").into_bytes())];
+        let verification = Verification::new(&plan, found, &Judgement::new(found), plan.seed);
+        let files = [("verification.json", verification.to_json().into_bytes())];
         run.seconds.total = start.elapsed().as_secs_f64();
         let path = problem.output.join(PLAN_FILE);
         writing(|| add_results(&path, plan.to_json().as_bytes(), Some(&run), &files))?;
         written.push("verification.json");
     }
 
-    screen.document(&plan.to_json())?;
-    let verdict = verified.as_ref().map_or(Verdict::Good, |found| verify_command::judgement(found).verdict());
+    screen.document(&plan)?;
+    let verdict = verified.as_ref().map_or(Verdict::Good, |found| verdict(&Judgement::new(found)));
     if screen.shows_text() {
         screen.text(&format!(
             "{}{}{}\nWritten to {}: {}, {RUN_FILE}, in {:.2} s.{}",
@@ -144,9 +143,9 @@ impl PlanArguments {
     fn files(&self, problem: &Problem, survey: &Survey, plan: &Plan) -> Result<Vec<(&'static str, Vec<u8>)>, Failure> {
         let views = &survey.views;
         let candidates = match self.candidates {
-            Some(TableFormat::Csv) => Some(("candidates.csv", candidates_csv(problem, views).map_err(in_memory)?)),
+            Some(TableFormat::Csv) => Some(("candidates.csv", views_csv(problem, views).map_err(in_memory)?)),
             Some(TableFormat::Parquet) => {
-                Some(("candidates.parquet", candidates_parquet(problem, views).map_err(in_memory)?))
+                Some(("candidates.parquet", views_parquet(problem, views).map_err(in_memory)?))
             }
             None => None,
         };
@@ -189,7 +188,7 @@ fn sentence(found: &MonteCarlo) -> String {
         "\n{} simulated calibrations, {failed}: map error {} px measured. {}",
         found.count,
         short(found.map_error.measured),
-        verify_command::judgement(found).sentence,
+        Judgement::new(found),
     )
 }
 
@@ -198,24 +197,24 @@ fn in_memory(error: impl std::fmt::Display) -> Failure {
 }
 
 fn summary(problem: &Problem, survey: &Survey, chooser: &Chooser, plan: &Plan) -> Result<String, Failure> {
-    let candidates = &plan.candidates;
+    let counts = &plan.survey;
     let mut text = format!(
         "{}: {} configurations swept, {} axes in the zone ({} of them on its edge), {} {}.\n",
         plan.problem.name,
-        grouped(candidates.swept),
-        grouped(candidates.axis_inside + candidates.axis_edge),
-        grouped(candidates.axis_edge),
-        grouped(candidates.kept),
+        grouped(counts.swept),
+        grouped(counts.axis_inside + counts.axis_edge),
+        grouped(counts.axis_edge),
+        grouped(counts.views),
         what_views_do(problem),
     );
-    let rejected: Vec<String> = candidates
+    let rejected: Vec<String> = counts
         .rejected
         .iter()
         .filter(|&(_, &count)| count > 0)
         .map(|(reason, &count)| format!("{} {}", grouped(count), reason.replace('_', " ")))
         .collect();
-    if candidates.refined > 0 {
-        text += &format!("Among these are views of {} more, tried around picked poses.\n", grouped(candidates.refined));
+    if counts.refined > 0 {
+        text += &format!("Among these are views of {} more, tried around picked poses.\n", grouped(counts.refined));
     }
     if !rejected.is_empty() {
         text += &format!("Rejected: {}.\n", rejected.join(", "));
@@ -249,7 +248,7 @@ fn summary(problem: &Problem, survey: &Survey, chooser: &Chooser, plan: &Plan) -
 fn outcome(plan: &Plan) -> String {
     let Plan { count, method, criterion, value, bound, efficiency, search, fewest, .. } = plan;
     let spare = 100.0 * (1.0 / efficiency - 1.0);
-    let candidates = grouped(plan.candidates.kept);
+    let views = grouped(plan.survey.views);
     if let Some(fewest) = fewest {
         let reached: Vec<String> = fewest
             .accuracies
@@ -269,7 +268,7 @@ fn outcome(plan: &Plan) -> String {
     let chosen = format!("{count} poses by `{method}` for criterion `{criterion}`: value {}", short(*value));
     match search {
         Some(search) if search.end == "optimal" => format!(
-            "{chosen}, proven optimal:\nno {count} of the {candidates} candidates are better ({} nodes).",
+            "{chosen}, proven optimal:\nno {count} of the {views} views are better ({} nodes).",
             grouped(search.nodes)
         ),
         _ => {
@@ -277,7 +276,7 @@ fn outcome(plan: &Plan) -> String {
                 .as_ref()
                 .map(|search| format!(" The search ended by {} after {} nodes.", search.end, grouped(search.nodes)));
             format!(
-                "{chosen}, bound {}, certified efficiency {efficiency:.4}:\nno {count} of the {candidates} candidates can give \
+                "{chosen}, bound {}, certified efficiency {efficiency:.4}:\nno {count} of the {views} views can give \
                  more than {spare:.2} % more information.{}",
                 short(*bound),
                 ended.unwrap_or_default(),

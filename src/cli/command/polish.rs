@@ -11,6 +11,7 @@ use crate::cli::output::collision::untested_text;
 use crate::cli::output::failure::Failure;
 use crate::cli::output::{Screen, short};
 use crate::plan::assess::{PolishSettings, polish};
+use crate::plan::document::Document;
 use crate::plan::results::{add_results, probe};
 
 #[derive(Debug, Args)]
@@ -52,7 +53,7 @@ pub(crate) fn run(arguments: &PolishArguments, screen: &mut Screen) -> Result<()
     let files = [(poses, table), (document, found.to_json().into_bytes())];
     writing(|| add_results(&arguments.plan, text.as_bytes(), None, &files))?;
 
-    screen.document(&found.to_json())?;
+    screen.document(&found)?;
     let end = if found.converged { "" } else { ", where the limit ended them" };
     screen.text(&format!(
         "{}: {} poses polished in {} cycles{end}.\n\n\

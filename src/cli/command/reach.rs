@@ -2,7 +2,6 @@
 
 use clap::{ArgGroup, Args};
 use nalgebra::{Quaternion, UnitQuaternion};
-use serde_json::json;
 
 use crate::cli::arguments::ProblemArguments;
 use crate::cli::number_of;
@@ -11,7 +10,7 @@ use crate::cli::output::failure::Failure;
 use crate::cli::output::{Screen, fixed, joint_columns, short, table};
 use crate::feasibility::LinkPair;
 use crate::plan::assess::reach_starts;
-use crate::plan::document::{Pose as PoseDocument, joints_deg};
+use crate::plan::document::{ReachDocument, joints_deg};
 use crate::problem::Problem;
 use crate::robot::{ReachSettings, Reached, reach};
 use crate::spatial::Pose;
@@ -133,7 +132,7 @@ pub(crate) fn run(arguments: &ReachArguments, screen: &mut Screen) -> Result<(),
         let checks = problem.checks();
         found.iter().map(|found| checks.collision().first(&problem.robot.tree.link_poses(&found.q))).collect()
     };
-    screen.document(&document(&problem, &wished, &found, &in_the_way).to_string())?;
+    screen.document(&ReachDocument::new(&problem, &wished, &found, &in_the_way))?;
     let verdict = match (reached, found.len()) {
         (true, 1) => "one configuration takes the pose".to_owned(),
         (true, n) => format!("{n} configurations that take the pose, those farthest from joint limits first"),
@@ -148,32 +147,6 @@ pub(crate) fn run(arguments: &ReachArguments, screen: &mut Screen) -> Result<(),
         }),
         _ => Ok(()),
     }
-}
-
-fn document(problem: &Problem, wished: &Pose, found: &[Reached], in_the_way: &[Option<LinkPair>]) -> serde_json::Value {
-    let name = |link: usize| problem.robot.tree.links[link].name.as_str();
-    let configuration = |(configuration, pair): (&Reached, &Option<LinkPair>)| {
-        json!({
-            "joints_rad": configuration.q,
-            "joints_deg": joints_deg(&problem.robot.chain, &configuration.q),
-            "reached": configuration.reached,
-            "position_error_m": configuration.position_error,
-            "angle_error_deg": configuration.angle_error.to_degrees(),
-            "limit_margin": configuration.limit_margin,
-            "camera_in_base": PoseDocument::new(&problem.robot.camera_pose(&configuration.q)),
-            "collision": pair.map(|pair| pair.map(name)),
-        })
-    };
-    json!({
-        "format": "calipose.reach",
-        "version": 1,
-        "problem": { "name": problem.name, "sha256": problem.sha256 },
-        "wished": PoseDocument::new(wished),
-        "reached": found.iter().any(|configuration| configuration.reached),
-        "joints": problem.robot.chain.joints.iter().map(|joint| joint.name.as_str()).collect::<Vec<_>>(),
-        "collision_tested": problem.robot.has_bodies(),
-        "configurations": found.iter().zip(in_the_way).map(configuration).collect::<Vec<_>>(),
-    })
 }
 
 fn configurations(problem: &Problem, found: &[Reached], in_the_way: &[Option<LinkPair>]) -> String {

@@ -3,12 +3,12 @@
 use std::time::Instant;
 
 use clap::Args;
-use serde_json::json;
 
 use crate::cli::arguments::ProblemArguments;
 use crate::cli::output::failure::Failure;
 use crate::cli::output::{Screen, grouped, table};
-use crate::feasibility::{Rejection, feasible_views};
+use crate::feasibility::feasible_views;
+use crate::plan::document::{SweepCounts, SweepDocument};
 use crate::sweep::sweep;
 
 #[derive(Debug, Args)]
@@ -37,7 +37,7 @@ pub(crate) fn run(arguments: &SweepArguments, screen: &mut Screen) -> Result<(),
         steps.iter().map(with_step).collect::<Result<Vec<_>, Failure>>()?
     };
     let mut rows = Vec::new();
-    let mut documents = Vec::new();
+    let mut counts = Vec::new();
     for (step, problem) in &problems {
         let bar = screen.progress("sweeping", problem.space.len());
         let start = Instant::now();
@@ -63,27 +63,10 @@ pub(crate) fn run(arguments: &SweepArguments, screen: &mut Screen) -> Result<(),
             .chain([grouped(views.len()), format!("{:.1}", seconds * 1e3)])
             .collect(),
         );
-        documents.push(json!({
-            "step_deg": degrees,
-            "swept": found.swept,
-            "axis_inside": found.inside,
-            "axis_edge": found.edge,
-            "axis_outside": found.outside(),
-            "published": published.map(|p| json!({ "swept": p.swept, "in_zone": p.in_zone })),
-            "candidates": found.candidates.len(),
-            "kept": views.len(),
-            "rejected": Rejection::ALL.iter().zip(rejected).map(|(r, n)| (r.name(), n)).collect::<std::collections::BTreeMap<_, _>>(),
-            "seconds": seconds,
-        }));
+        counts.push(SweepCounts::new(degrees, &found, published, views.len(), rejected, seconds));
     }
     let first = &problems[0].1;
-    let document = json!({
-        "format": "calipose.sweep",
-        "version": 1,
-        "problem": { "name": first.name, "sha256": first.sha256 },
-        "sweeps": documents,
-    });
-    screen.document(&document.to_string())?;
+    screen.document(&SweepDocument::new(first, counts))?;
     let header = ["step", "Q", "inside", "edge", "Q*", "published Q", "published Q*", "see the board", "time [ms]"];
     screen.text(&format!("{}\n\n{}", first.name, table(&header, &rows)))
 }

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use serde_json::{Value, json};
 
 use crate::cli::loaded_plan::Planned;
 use crate::cli::output::failure::Failure;
@@ -11,8 +10,8 @@ use crate::cli::output::verdict::Verdict;
 use crate::cli::output::{Screen, short, table};
 use crate::cli::trials;
 use crate::plan::assess::verify;
-use crate::plan::document::Plan;
-use crate::verification::{Disturbance, MonteCarlo, deviation_interval};
+use crate::plan::document::Verification;
+use crate::verification::{Disturbance, Judgement, MonteCarlo};
 
 #[derive(Debug, Args)]
 pub(crate) struct VerifyArguments {
@@ -97,7 +96,8 @@ pub(crate) fn run(arguments: &VerifyArguments, screen: &mut Screen) -> Result<Ve
     let verified = verify(&problem, &configurations, &disturbance, arguments.trials, arguments.seed, &|_| bar.inc(1));
     bar.finish_and_clear();
     let found = verified?;
-    screen.document(&document(&plan, &found, arguments.seed).to_string())?;
+    let judgement = Judgement::new(&found);
+    screen.document(&Verification::new(&plan, &found, &judgement, arguments.seed))?;
     let rows: Vec<Vec<String>> = found
         .parameters
         .iter()
@@ -123,13 +123,18 @@ pub(crate) fn run(arguments: &VerifyArguments, screen: &mut Screen) -> Result<Ve
         short(found.map_error.measured),
         short(found.map_error.standard_error),
         failures(&found),
-        judgement(&found).sentence,
+        judgement,
     ))?;
-    Ok(judgement(&found).verdict())
+    Ok(verdict(&judgement))
+}
+
+/// A plan is bad where it is known not to do what it predicts.
+pub(crate) fn verdict(judgement: &Judgement) -> Verdict {
+    Verdict::good_if(judgement.holds() != Some(false))
 }
 
 /// How many trials failed, and why.
-pub(crate) fn failures(found: &MonteCarlo) -> String {
+fn failures(found: &MonteCarlo) -> String {
     if found.failures.is_empty() {
         return String::from("Every calibration converged.");
     }
@@ -144,100 +149,4 @@ pub(crate) fn failures(found: &MonteCarlo) -> String {
     reasons.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
     let lines: Vec<String> = reasons.iter().take(5).map(|(reason, count)| format!("  {count}: {reason}")).collect();
     format!("{} of {} calibrations failed:\n{}", found.failures.len(), found.count, lines.join("\n"))
-}
-
-/// Fewer successful trials tell too little for a verdict: the interval of a ratio is wider than ±35 %.
-const LEAST_TRIALS: usize = 30;
-
-/// Failed trials listed in documents; more are only counted.
-const LISTED_FAILURES: usize = 1000;
-
-/// A greater share of failed trials is said in the verdict.
-const MANY_FAILURES: f64 = 0.01;
-
-/// What the trials say of the plan.
-pub(crate) struct Judgement {
-    /// Whether it does what it predicts; `None` if they are too few to tell.
-    pub(crate) holds: Option<bool>,
-    /// The same in words.
-    pub(crate) sentence: String,
-}
-
-impl Judgement {
-    pub(crate) fn verdict(&self) -> Verdict {
-        Verdict::good_if(self.holds != Some(false))
-    }
-}
-
-/// Judges the plan by its trials. The judgement as a whole errs once in a hundred plans that do as predicted: each of the p
-/// intervals is taken at a confidence of 1 − 0.01/p.
-pub(crate) fn judgement(found: &MonteCarlo) -> Judgement {
-    let good = found.count - found.failures.len();
-    let failed = found.failures.len() as f64 / found.count as f64;
-    if good < LEAST_TRIALS {
-        let (holds, sentence) = match good {
-            0 => (Some(false), "Verdict: the plan does not lead to a calibration.".into()),
-            _ if failed > 0.5 => (Some(false), format!("Verdict: {:.0} % of the calibrations fail.", 100.0 * failed)),
-            _ => (None, format!("Verdict: none; {good} of {LEAST_TRIALS} calibrations that a verdict takes.")),
-        };
-        return Judgement { holds, sentence };
-    }
-    let (low, high) = deviation_interval(good, 1.0 - 0.01 / found.parameters.len() as f64);
-    let worse: Vec<&str> = found.parameters.iter().filter(|p| p.ratio * low > 1.0).map(|p| p.name).collect();
-    let better: Vec<&str> = found.parameters.iter().filter(|p| p.ratio * high < 1.0).map(|p| p.name).collect();
-    let scatter = match (worse.is_empty(), better.is_empty()) {
-        (true, true) => String::from("the plan does what it predicts; the scatter of every intrinsic agrees"),
-        (true, false) => format!("the plan does better than predicted in {}", better.join(", ")),
-        (false, _) => format!("the plan does worse than predicted in {}", worse.join(", ")),
-    };
-    let sentence = if failed > MANY_FAILURES {
-        format!("Verdict: {:.0} % of the calibrations fail; of the others, {scatter}.", 100.0 * failed)
-    } else {
-        format!("Verdict: {scatter}.")
-    };
-    Judgement { holds: Some(worse.is_empty() && failed <= MANY_FAILURES), sentence }
-}
-
-/// The document of `--json`, and of `verification.json`.
-pub(crate) fn document(plan: &Plan, found: &MonteCarlo, seed: u64) -> Value {
-    let judgement = judgement(found);
-    let parameters: Vec<Value> = found
-        .parameters
-        .iter()
-        .map(|p| {
-            json!({
-                "name": p.name,
-                "predicted_sigma": p.predicted_sigma,
-                "sampled_sigma": p.sampled_sigma,
-                "ratio": p.ratio,
-                "ratio_interval": [p.interval.0, p.interval.1],
-                "bias": p.bias,
-            })
-        })
-        .collect();
-    json!({
-        "format": "calipose.verification",
-        "version": 1,
-        "problem": { "name": plan.problem.name, "sha256": plan.problem.sha256 },
-        "count": plan.count,
-        "trials": found.count,
-        "seed": seed,
-        "confidence": 0.99,
-        "parameters": parameters,
-        "map_error_px": {
-            "predicted": found.map_error.predicted,
-            "measured": found.map_error.measured,
-            "standard_error": found.map_error.standard_error,
-        },
-        "rms_px": found.rms,
-        "failed": found.failures.len(),
-        "failures": found
-            .failures
-            .iter()
-            .take(LISTED_FAILURES)
-            .map(|failure| json!({ "trial": failure.trial, "reason": failure.reason.to_string() }))
-            .collect::<Vec<_>>(),
-        "holds": judgement.holds,
-        "verdict": judgement.sentence,
-    })
 }

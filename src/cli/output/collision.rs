@@ -2,7 +2,8 @@
 
 use super::short;
 use crate::feasibility::LinkPairs;
-use crate::plan::survey::{CollisionDocument, Contact};
+use crate::plan::document::CollisionDocument;
+use crate::plan::survey::Contact;
 use crate::problem::Problem;
 
 /// What poses are tested against, in one line; what is not is said first.

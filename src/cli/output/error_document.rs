@@ -8,71 +8,53 @@ use serde_json::{Value, json};
 
 use super::failure::Failure;
 use crate::formats::{DiskError, FileReadError};
+use crate::plan::document::{ErrorDocument, FaultDocument, FaultInFile};
 use crate::problem::{Fault, ProblemError, Reason};
 
 /// The document that stands on stderr in place of the drawn error.
-pub(crate) fn document(failure: &Failure) -> Value {
+pub(super) fn error_document(failure: &Failure) -> ErrorDocument {
     let causes = std::iter::successors(failure.source(), |&error| error.source());
     let message = std::iter::once(failure.to_string()).chain(causes.map(ToString::to_string));
+    let message = message.collect::<Vec<_>>().join(": ");
     let help = failure.help().map(|help| help.to_string());
-    error(
-        failure.kind(),
-        failure.exit_code(),
-        &message.collect::<Vec<_>>().join(": "),
-        help.as_deref(),
-        &faults(failure),
-    )
-}
-
-/// A failure outside a command: of the command line, or a bug.
-pub(crate) fn error(kind: &str, exit_code: u8, message: &str, help: Option<&str>, faults: &[Value]) -> Value {
-    json!({
-        "format": "calipose.error",
-        "version": 1,
-        "calipose": env!("CARGO_PKG_VERSION"),
-        "kind": kind,
-        "exit_code": exit_code,
-        "message": message,
-        "help": help,
-        "faults": faults,
-    })
+    ErrorDocument::new(failure.kind(), failure.exit_code(), &message, help, faults(failure))
 }
 
 /// What is wrong with a file of the user's, with the places.
-fn faults(failure: &Failure) -> Vec<Value> {
+fn faults(failure: &Failure) -> Vec<FaultDocument> {
+    let place = |path: &Path, line: Option<usize>, message: Option<String>| {
+        vec![FaultDocument { file: path.to_owned(), line, message, ..FaultDocument::default() }]
+    };
     match failure {
         Failure::Problem(ProblemError::Invalid { file, faults }) => {
             faults.iter().map(|found| fault(Path::new(file.name()), found)).collect()
         }
-        Failure::Problem(ProblemError::Encoding { path, line }) => vec![json!({ "file": path, "line": line })],
-        Failure::Problem(ProblemError::Read { path, .. }) | Failure::PlanFile { path, .. } => {
-            vec![json!({ "file": path })]
-        }
-        Failure::Observations { path, error } => {
-            vec![json!({ "file": path, "line": line(error), "message": error.to_string() })]
-        }
+        Failure::Problem(ProblemError::Encoding { path, line: at }) => place(path, Some(*at), None),
+        Failure::Problem(ProblemError::Read { path, .. }) | Failure::PlanFile { path, .. } => place(path, None, None),
+        Failure::Observations { path, error } => place(path, line(error), Some(error.to_string())),
         _ => Vec::new(),
     }
 }
 
-fn fault(file: &Path, fault: &Fault) -> Value {
+fn fault(file: &Path, fault: &Fault) -> FaultDocument {
     let (value, allowed) = value_and_allowed(&fault.reason);
-    let requirement = fault.labels().and_then(|mut labels| labels.next()?.label().map(str::to_owned));
-    let mut document = json!({
-        "file": file,
-        "line": fault.line,
-        "column": fault.column,
-        "key": fault.key,
-        "message": fault.to_string(),
-        "value": value,
-        "allowed": allowed,
-        "requirement": requirement,
-        "hint": fault.help().map(|hint| hint.to_string()),
-    });
-    if let Reason::CameraFile { path, error } | Reason::RobotFile { path, error } = &fault.reason {
-        document["in_file"] = json!({ "file": path, "line": line(error), "message": error.to_string() });
+    FaultDocument {
+        file: file.to_owned(),
+        line: Some(fault.line),
+        column: Some(fault.column),
+        key: Some(fault.key.clone()),
+        message: Some(fault.to_string()),
+        value,
+        allowed,
+        requirement: fault.labels().and_then(|mut labels| labels.next()?.label().map(str::to_owned)),
+        hint: fault.help().map(|hint| hint.to_string()),
+        in_file: match &fault.reason {
+            Reason::CameraFile { path, error } | Reason::RobotFile { path, error } => {
+                Some(FaultInFile { file: path.clone(), line: line(error), message: error.to_string() })
+            }
+            _ => None,
+        },
     }
-    document
 }
 
 /// The value that is refused and what may stand in its place: names in a list, else in words.

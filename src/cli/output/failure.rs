@@ -80,7 +80,7 @@ pub(crate) enum Failure {
     Memory { needed: String, total: String, remedy: &'static str },
     #[error("{0}")]
     Usage(String),
-    #[error("cannot write the candidates: {0}")]
+    #[error("cannot write the table: {0}")]
     Table(String),
     #[error("cannot write to stdout")]
     Stdout(#[from] std::io::Error),

@@ -11,8 +11,10 @@ use std::io::Write;
 use comfy_table::{CellAlignment, Table, presets};
 use miette::{GraphicalReportHandler, GraphicalTheme};
 
-pub(crate) use crate::figures::{fixed, grouped};
+pub(crate) use crate::figures::{fixed, grouped, short};
+use crate::plan::document::{Document, ErrorDocument};
 use crate::robot::Joint;
+use error_document::error_document;
 use failure::Failure;
 use progress::Progress;
 
@@ -37,8 +39,8 @@ impl Screen {
     }
 
     /// Prints the document, if the user asked for JSON.
-    pub(crate) fn document(&mut self, document: &str) -> Result<(), Failure> {
-        if self.json { Self::print(document.trim_end()) } else { Ok(()) }
+    pub(crate) fn document(&mut self, document: &impl Document) -> Result<(), Failure> {
+        if self.json { Self::print(document.to_json().trim_end()) } else { Ok(()) }
     }
 
     /// Prints what was asked for whatever the flags.
@@ -70,7 +72,7 @@ impl Screen {
     /// Says what went wrong: drawn, or as a document if the user asked for JSON.
     pub(crate) fn fail(&self, failure: &Failure) {
         if self.json {
-            return Self::complain(&format!("{:#}", error_document::document(failure)));
+            return Self::complain_in_json(&error_document(failure));
         }
         let theme = if std::io::IsTerminal::is_terminal(&std::io::stderr()) && std::env::var_os("NO_COLOR").is_none() {
             GraphicalTheme::unicode()
@@ -87,8 +89,7 @@ impl Screen {
     /// Says in JSON what is wrong with the command line.
     pub(crate) fn refuse(error: &clap::Error) {
         let message = error.render().to_string();
-        let document = error_document::error("command-line", 2, message.trim_end(), None, &[]);
-        Self::complain(&format!("{document:#}"));
+        Self::complain_in_json(&ErrorDocument::new("command-line", 2, message.trim_end(), None, Vec::new()));
     }
 
     pub(crate) fn report_bug(what: &str, json: bool) {
@@ -97,10 +98,14 @@ impl Screen {
             env!("CARGO_PKG_VERSION")
         );
         if json {
-            Self::complain(&format!("{:#}", error_document::error("bug", 70, &message, None, &[])));
+            Self::complain_in_json(&ErrorDocument::new("bug", 70, &message, None, Vec::new()));
         } else {
             Self::complain(&message);
         }
+    }
+
+    fn complain_in_json(document: &ErrorDocument) {
+        Self::complain(document.to_json().trim_end());
     }
 
     fn complain(text: &str) {
@@ -124,20 +129,4 @@ pub(crate) fn table(header: &[&str], rows: &[Vec<String>]) -> String {
 /// Headings of the joints' columns, with their units.
 pub(crate) fn joint_columns(joints: &[Joint]) -> impl Iterator<Item = String> {
     joints.iter().map(|joint| format!("{} [{}]", joint.name, joint.kind.display_unit()))
-}
-
-/// A number to four significant digits.
-pub(crate) fn short(number: f64) -> String {
-    if !number.is_finite() {
-        return "-".into();
-    }
-    if number == 0.0 {
-        return "0".into();
-    }
-    let magnitude = number.abs().log10().floor() as i32;
-    if (-4..5).contains(&magnitude) {
-        format!("{number:.*}", (3 - magnitude).max(0) as usize)
-    } else {
-        format!("{number:.2e}")
-    }
 }

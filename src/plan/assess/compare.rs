@@ -5,7 +5,11 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 
 use crate::plan::choose::{Choice, Chooser, PlanError};
-use crate::problem::Method;
+use crate::plan::document::{
+    ComparisonDocument, ComparisonEquivalent, ComparisonRow, Document, MeasuredRow, ProblemReference, finite,
+};
+use crate::problem::{Method, Problem};
+use crate::verification::MonteCarlo;
 
 /// One method at one number of poses.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,6 +43,48 @@ pub struct Equivalent {
     pub poses: Option<usize>,
     /// The greatest number tried.
     pub tried: usize,
+}
+
+impl Comparison {
+    /// What is written of the rows, what simulated calibrations of each came to if there were any, and the numbers of poses
+    /// whose plans k-means was to equal.
+    pub fn document(
+        &self,
+        problem: &Problem,
+        chooser: &Chooser,
+        measured: &[Option<MonteCarlo>],
+        equivalents: &[(usize, Equivalent)],
+    ) -> ComparisonDocument {
+        let names = problem.unknowns().names();
+        let row = |(row, measured): (&Row, &Option<MonteCarlo>)| ComparisonRow {
+            method: row.method.name().into(),
+            count: row.choice.selected.len(),
+            value: finite(chooser.natural(row.choice.log_value)),
+            map_error_px: finite(row.choice.map_error),
+            sigma: names.iter().map(ToString::to_string).zip(row.choice.sigma.iter().copied()).collect(),
+            measured: measured.as_ref().map(|found| MeasuredRow {
+                trials: found.count,
+                failed: found.failures.len(),
+                map_error_px: finite(found.map_error.measured),
+                sigma: found.parameters.iter().map(|p| (p.name.into(), finite(p.sampled_sigma))).collect(),
+            }),
+            efficiency: finite(row.efficiency),
+            seconds: row.time.as_secs_f64(),
+        };
+        let equivalent = |(count, equivalent): &(usize, Equivalent)| ComparisonEquivalent {
+            count: *count,
+            method: equivalent.method.name().into(),
+            equivalent_count: equivalent.poses,
+            tried: equivalent.tried,
+        };
+        ComparisonDocument {
+            header: ComparisonDocument::header(),
+            problem: ProblemReference::new(problem),
+            criterion: chooser.criterion(),
+            rows: self.rows.iter().zip(measured).map(row).collect(),
+            equivalents: equivalents.iter().map(equivalent).collect(),
+        }
+    }
 }
 
 fn is_seeded(method: Method) -> bool {

@@ -4,10 +4,9 @@ use rayon::prelude::*;
 
 use crate::plan::choose::{Choice, Chooser, PlanError};
 use crate::plan::document::{
-    CombinationTerm, CurvePoint, EXPLANATION_FORMAT, EXPLANATION_VERSION, Explanation, LeastKnown, PoseExplanation,
-    SparePose, Suffering,
+    CombinationTerm, CurvePoint, Document, Explanation, LeastKnown, PoseExplanation, ProblemReference, SparePose,
+    Suffering, finite, joints_deg,
 };
-use crate::plan::document::{ProblemReference, joints_deg};
 use crate::problem::Problem;
 use crate::selection::packed::inverse;
 use crate::selection::{RelaxationSettings, SelectionError, Spare, improved_greedy, relax, spares};
@@ -39,9 +38,7 @@ pub fn explain(
     let plan = chooser.assess(selected.to_vec());
     chooser.require_observable(&plan)?;
     Ok(Explanation {
-        format: EXPLANATION_FORMAT.into(),
-        version: EXPLANATION_VERSION,
-        calipose: env!("CARGO_PKG_VERSION").into(),
+        header: Explanation::header(),
         problem: ProblemReference::new(problem),
         criterion: chooser.criterion(),
         count: plan.selected.len(),
@@ -187,10 +184,6 @@ fn least_known(problem: &Problem, chooser: &Chooser, plan: &Choice) -> LeastKnow
 
 fn terms(combination: impl IntoIterator<Item = (String, f64)>) -> Vec<CombinationTerm> {
     combination.into_iter().map(|(name, coefficient)| CombinationTerm { name, coefficient }).collect()
-}
-
-fn finite(number: f64) -> Option<f64> {
-    number.is_finite().then_some(number)
 }
 
 #[cfg(test)]

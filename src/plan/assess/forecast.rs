@@ -5,9 +5,13 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 
 use super::verify::verify;
-use crate::feasibility::{Rejection, View};
+use crate::feasibility::{LinkPairs, Rejection, View};
 use crate::plan::choose::{Chooser, PICKS, PlanError};
-use crate::plan::survey::{Survey, join, spacings};
+use crate::plan::document::{
+    CameraSights, CheckDocument, CollisionDocument, DiagnosisDocument, Document, LensDocument, NoteDocument,
+    ProblemReference, SelfCollision, finite,
+};
+use crate::plan::survey::{Diagnosis, Survey, join, spacings};
 use crate::problem::{Goal, Method, PoseConstraints, Problem};
 use crate::sweep::{AxisRule, sweep};
 use crate::target::AxisCase;
@@ -55,6 +59,42 @@ pub struct Forecast {
     pub seconds: f64,
     /// Bytes of memory at most.
     pub bytes: f64,
+}
+
+impl Forecast {
+    /// What is written of it for `problem`, whose pairs of links are `links`; with the limit (s) of a search that follows, a
+    /// diagnosis where views are scarce, and a warning where memory is.
+    pub fn document(
+        &self,
+        problem: &Problem,
+        links: &LinkPairs,
+        search_limit: Option<f64>,
+        diagnosis: Option<&Diagnosis>,
+        memory_warning: Option<String>,
+    ) -> CheckDocument {
+        let tree = &problem.robot.tree;
+        // The mass is that of any configuration.
+        let center_of_mass = tree.center_of_mass(&tree.link_poses(&problem.robot.chain.mid_range()));
+        let notes = problem.notes.iter().map(|note| NoteDocument { key: note.key.clone(), note: note.text.clone() });
+        CheckDocument {
+            header: CheckDocument::header(),
+            problem: ProblemReference::new(problem),
+            configurations: problem.space.len(),
+            estimated_views: self.views,
+            estimated_poses: self.count,
+            estimated_seconds: finite(self.seconds),
+            search_limit_seconds: search_limit,
+            estimated_memory_mb: finite((self.bytes / 1e6).ceil()),
+            memory_warning,
+            diagnosis: diagnosis.map(DiagnosisDocument::new),
+            camera: CameraSights::new(problem),
+            lens: LensDocument::new(&problem.camera),
+            collision: CollisionDocument::new(problem, links),
+            self_collision: SelfCollision::new(problem, links),
+            mass_kg: center_of_mass.map(|center| center.mass),
+            notes: notes.collect(),
+        }
+    }
 }
 
 /// What was learnt of the candidates.

@@ -8,7 +8,9 @@ use crate::calibration::{Calibration, Observations};
 use crate::feasibility::View;
 use crate::plan::choose::candidates;
 use crate::plan::choose::{Chooser, PlanError};
-use crate::plan::document::{PlannedPose, poses_csv};
+use crate::plan::document::{
+    Document, EstimatedIntrinsics, NextDocument, Plan, PlannedPose, SimulatedMapError, finite, poses_csv,
+};
 use crate::problem::{Method, PoseConstraints, Problem};
 
 /// How many poses to propose.
@@ -49,6 +51,36 @@ impl Proposal {
     /// Never in practice: the writer writes to memory.
     pub fn to_csv(&self, problem: &Problem) -> Result<Vec<u8>, csv::Error> {
         poses_csv(&problem.robot.chain.joints, &self.poses)
+    }
+
+    /// What is written of the poses proposed beside those of `plan`, with the `calibration` of the views taken so far and their
+    /// `names`.
+    pub fn document(&self, plan: &Plan, calibration: &Calibration, names: &[String]) -> NextDocument {
+        let Calibration { camera, estimated, .. } = calibration;
+        let name = |view: usize| names.get(view).cloned();
+        NextDocument {
+            header: NextDocument::header(),
+            problem: plan.problem.clone(),
+            views: names.len(),
+            intrinsics: EstimatedIntrinsics {
+                names: estimated.iter().map(|&i| camera.lens().parameter_names()[i].into()).collect(),
+                values: estimated.iter().map(|&i| camera.intrinsics()[i]).collect(),
+                sigma: estimated.iter().map(|&i| calibration.sigma_of(i)).collect(),
+            },
+            known_map_error_px: finite(self.known),
+            expected_map_error_px: finite(self.expected),
+            simulated_map_error_px: self.rehearsal.map(|simulated| SimulatedMapError {
+                trials: simulated.trials,
+                failed: simulated.failed,
+                median: simulated.median,
+                percentile_90: simulated.percentile_90,
+                rms: simulated.rms,
+            }),
+            fulfilled: self.fulfilled,
+            joints: plan.joints.clone(),
+            poses: self.poses.clone(),
+            repeats: self.repeats.iter().map(|view| view.and_then(name)).collect(),
+        }
     }
 }
 

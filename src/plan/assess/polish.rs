@@ -12,9 +12,7 @@ use nalgebra::DVector;
 use crate::feasibility::{Checks, View};
 use crate::information::Measurement;
 use crate::plan::choose::{Chooser, Objective, PlanError, allows};
-use crate::plan::document::{
-    GridPlan, Intrinsics, POLISHED_FORMAT, POLISHED_VERSION, PROVEN, Plan, PlannedPose, PolishedPlan,
-};
+use crate::plan::document::{Document, GridPlan, Intrinsics, PROVEN, Plan, PlannedPose, PolishedPlan};
 use crate::plan::survey::SurveyError;
 use crate::problem::Problem;
 use crate::selection::{Constraints, Instance};
@@ -57,14 +55,12 @@ pub struct Polished {
 }
 
 impl Polished {
-    /// What is written of it, polished from `plan` by `chooser`.
+    /// What is written of the poses, which `chooser` polished from those of `plan`.
     pub fn document(&self, problem: &Problem, chooser: &Chooser, plan: &Plan) -> PolishedPlan {
         let gain = (self.log_value - self.grid_log_value).exp();
         let poses = self.views.iter().zip(&self.shares);
         PolishedPlan {
-            format: POLISHED_FORMAT.into(),
-            version: POLISHED_VERSION,
-            calipose: env!("CARGO_PKG_VERSION").into(),
+            header: PolishedPlan::header(),
             problem: plan.problem.clone(),
             criterion: plan.criterion.clone(),
             count: plan.count,

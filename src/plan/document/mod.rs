@@ -1,20 +1,30 @@
-//! The documents that leave the program, typed and versioned.
+//! The documents that leave the program, typed and versioned: one header, and a JSON Schema for each.
 
-mod explanation;
+mod answers;
+mod header;
+mod kind;
 mod plan;
-mod polished;
-mod proof;
-mod views_table;
+mod problem;
+mod refusal;
 
-pub use explanation::{
-    CombinationTerm, CurvePoint, EXPLANATION_FORMAT, EXPLANATION_VERSION, Explanation, LeastKnown, PoseExplanation,
-    SparePose, Suffering,
+pub use answers::{
+    CalibratedView, CalibrationDocument, Certified, CombinationTerm, ComparisonDocument, ComparisonEquivalent,
+    ComparisonRow, CurvePoint, EstimatedIntrinsics, Explanation, FailedTrial, LeastKnown, MapErrorCheck,
+    MapErrorOverImage, MeasuredRow, NextDocument, NotChecked, OutlierDocument, ParameterCheck, PictureSize,
+    PoseExplanation, ResidualLengths, SimulatedMapError, SparePose, Suffering, Verification, WishedAccuracy,
 };
+pub(crate) use header::finite;
+pub use header::{Document, Header, ProblemReference};
+pub use kind::Kind;
 pub(crate) use plan::poses_csv;
 pub use plan::{
-    Candidates, Intrinsics, PLAN_FORMAT, PLAN_VERSION, Plan, PlanReadError, PlannedPose, Pose, ProblemReference,
-    joints_deg,
+    AccuracyDocument, CertificateDocument, CertificateTerm, CollisionDocument, FewestDocument, GridPlan, Intrinsics,
+    PROVEN, Plan, PlanReadError, PlannedPose, PolishedPlan, Pose, Price, Run, RunProblem, RunSeconds, SearchDocument,
+    SurveyCounts, joints_deg, views_csv, views_parquet,
 };
-pub use polished::{GridPlan, POLISHED_FORMAT, POLISHED_VERSION, PROVEN, PolishedPlan};
-pub use proof::{AccuracyDocument, CertificateDocument, CertificateTerm, FewestDocument, Price, SearchDocument};
-pub use views_table::{candidates_csv, candidates_parquet};
+pub use problem::{
+    CameraSights, CheckDocument, ClosePair, DiagnosisDocument, InitDocument, LensDocument, NoteDocument,
+    ObstacleDocument, PublishedCounts, ReachDocument, ReachedConfiguration, SelfCollision, Sight, Suspicion,
+    SweepCounts, SweepDocument, TestedPair,
+};
+pub use refusal::{ErrorDocument, FaultDocument, FaultInFile};

@@ -7,17 +7,13 @@ mod files;
 
 pub use files::{FileError, probe, write_atomically, write_together};
 
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use crate::plan::document::{Document, Run};
 use crate::problem::Problem;
 use files::Held;
-
-/// Value of the key `format` of `run.json`.
-pub const RUN_FORMAT: &str = "calipose.run";
 
 /// Name of the file with the plan, by which the others are of one run or not.
 pub const PLAN_FILE: &str = "plan.json";
@@ -36,75 +32,10 @@ pub const OPTIONAL_FILES: [&str; 7] = [
     "next.csv",
 ];
 
-/// How the files came about, key by key as in `run.json`: what differs from run to run.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Run {
-    /// [`RUN_FORMAT`].
-    pub format: String,
-    /// 1.
-    pub version: u32,
-    /// Version of calipose that ran.
-    pub calipose: String,
-    /// The problem.
-    pub problem: RunProblem,
-    /// Threads that it ran on.
-    pub threads: usize,
-    /// How long it took.
-    pub seconds: RunSeconds,
-    /// SHA-256 of the files that were written with the plan or from it, by name.
-    #[serde(default)]
-    pub files: BTreeMap<String, String>,
-}
-
-/// The problem of a run.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct RunProblem {
-    /// Its name.
-    pub name: String,
-    /// Hash of its file.
-    pub sha256: String,
-    /// Its file, from the root.
-    pub file: Option<PathBuf>,
-}
-
-/// How long a run took, in seconds.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct RunSeconds {
-    /// Until the candidates were found.
-    pub survey: f64,
-    /// From then until the plan was.
-    pub selection: f64,
-    /// All in all.
-    pub total: f64,
-}
-
 impl Run {
-    /// A run on the problem that `file` states.
-    pub fn new(problem: &Problem, file: &Path, seconds: RunSeconds) -> Self {
-        Self {
-            format: RUN_FORMAT.into(),
-            version: 1,
-            calipose: env!("CARGO_PKG_VERSION").into(),
-            problem: RunProblem {
-                name: problem.name.clone(),
-                sha256: problem.sha256.clone(),
-                file: std::path::absolute(file).ok(),
-            },
-            threads: rayon::current_num_threads(),
-            seconds,
-            files: BTreeMap::new(),
-        }
-    }
-
     /// The run that left its `run.json` in `folder`; `None` if there is none that can be read.
     pub fn read(folder: &Path) -> Option<Self> {
         serde_json::from_slice(&std::fs::read(folder.join(RUN_FILE)).ok()?).ok()
-    }
-
-    fn to_json(&self) -> String {
-        let mut text = serde_json::to_string_pretty(self).unwrap_or_default();
-        text.push('\n');
-        text
     }
 }
 
@@ -215,14 +146,16 @@ fn hash(bytes: &[u8]) -> String {
 mod tests {
     #![allow(clippy::unwrap_used)]
 
+    use std::collections::BTreeMap;
+
     use super::*;
+    use crate::plan::document::{RunProblem, RunSeconds};
     use crate::plan::results::files::Step;
 
     fn run() -> Run {
         let problem = RunProblem { name: "arm".into(), sha256: "0".into(), file: None };
         let seconds = RunSeconds { survey: 0.0, selection: 0.0, total: 0.0 };
-        let (format, calipose) = (RUN_FORMAT.into(), "0".into());
-        Run { format, version: 1, calipose, problem, threads: 1, seconds, files: BTreeMap::new() }
+        Run { header: Run::header(), problem, threads: 1, seconds, files: BTreeMap::new() }
     }
 
     fn files(names: &[&'static str], made: &str) -> Vec<(&'static str, Vec<u8>)> {

@@ -5,7 +5,7 @@ mod diagnosis;
 mod refine;
 mod smell;
 
-pub use contacts::{CollisionDocument, Contact};
+pub use contacts::Contact;
 pub use diagnosis::{Diagnosis, Miss, Obstacle, diagnose};
 pub(crate) use refine::{join, spacings};
 pub use smell::Smell;

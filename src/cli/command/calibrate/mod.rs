@@ -1,7 +1,5 @@
 //! `calipose calibrate`.
 
-mod fit;
-mod judgement;
 mod parameters;
 mod report;
 
@@ -10,10 +8,10 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 
-use fit::{fit, other_lens, unknown_camera};
 use parameters::ParameterArguments;
-use report::Report;
+use report::text;
 
+use crate::calibration::{Assessment, LossKind, Wish, calibrate_by, other_lens, unknown_camera};
 use crate::camera::{Camera, Lens};
 use crate::cli::by_name;
 use crate::cli::interrupt::writing;
@@ -21,6 +19,7 @@ use crate::cli::output::Screen;
 use crate::cli::output::failure::Failure;
 use crate::cli::output::verdict::Verdict;
 use crate::formats::{CameraFormat, Detections, Known, read_detections_file};
+use crate::plan::document::{CalibrationDocument, Document, ProblemReference};
 use crate::plan::results::{probe, write_together};
 use crate::problem::{Accuracy, Problem};
 use crate::target::Board;
@@ -70,6 +69,16 @@ enum LossName {
     Cauchy,
 }
 
+impl LossName {
+    fn kind(self) -> LossKind {
+        match self {
+            Self::Squared => LossKind::Squared,
+            Self::Huber => LossKind::Huber,
+            Self::Cauchy => LossKind::Cauchy,
+        }
+    }
+}
+
 /// The camera files to write.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum CameraFiles {
@@ -99,7 +108,8 @@ pub(crate) fn run(arguments: &CalibrateArguments, screen: &mut Screen) -> Result
     let (nominal, estimated, is_known) = if let Some(Problem { camera, estimated, .. }) = &setting.problem {
         (camera.clone(), estimated.clone(), true)
     } else {
-        let camera = unknown_camera(arguments.lens.unwrap_or(Lens::BrownConrady), observations)?;
+        let camera = unknown_camera(arguments.lens.unwrap_or(Lens::BrownConrady), observations)
+            .map_err(|error| Failure::Usage(error.to_string()))?;
         let all = (0..camera.intrinsics().len()).collect();
         (camera, all, false)
     };
@@ -107,7 +117,8 @@ pub(crate) fn run(arguments: &CalibrateArguments, screen: &mut Screen) -> Result
     let formats = formats(arguments.camera_format, &nominal)?;
     probe(&arguments.output)?;
     let bar = screen.progress("calibrating", 1);
-    let calibrated = fit(observations, &model, arguments.loss);
+    let loss = arguments.loss.kind();
+    let calibrated = calibrate_by(loss, observations, &model.nominal, &model.estimated, model.ties);
     let other = other_lens(observations, nominal.lens());
     bar.finish_and_clear();
     let calibration = calibrated.map_err(|error| Failure::Calibration {
@@ -117,9 +128,10 @@ pub(crate) fn run(arguments: &CalibrateArguments, screen: &mut Screen) -> Result
         fits: other.map(|other| (other.lens.name(), other.rms)),
     })?;
 
-    let report = Report::new(&found, &calibration, other, &setting.wished, arguments.loss);
-    let document = report.document();
-    let mut files = vec![("calibration.json", format!("{document:#}\n").into_bytes())];
+    let assessment = Assessment::new(observations, &calibration, loss, other, &setting.wished);
+    let problem = setting.problem.as_ref().map(ProblemReference::new);
+    let document = CalibrationDocument::new(problem, &found, &calibration, &assessment);
+    let mut files = vec![("calibration.json", document.to_json().into_bytes())];
     let mut left_out = String::new();
     for format in formats {
         match format.write(&calibration.camera) {
@@ -134,11 +146,11 @@ pub(crate) fn run(arguments: &CalibrateArguments, screen: &mut Screen) -> Result
     let is_ours = arguments.output.join("calibration.json").exists();
     let stale: Vec<&str> = CameraFormat::ALL.iter().filter(|_| is_ours).map(|format| format.file_name()).collect();
     writing(|| write_together(&arguments.output, &files, &stale))?;
-    screen.document(&document.to_string())?;
+    screen.document(&document)?;
     let written: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
     let (folder, written) = (arguments.output.display(), written.join(", "));
-    screen.text(&format!("{}\nWritten to {folder}: {written}.{left_out}", report.text()))?;
-    Ok(Verdict::good_if(!report.is_bad()))
+    screen.text(&format!("{}\nWritten to {folder}: {written}.{left_out}", text(&found, &calibration, &assessment)))?;
+    Ok(Verdict::good_if(!assessment.judgement.is_bad()))
 }
 
 /// What the command line and the problem file say.
@@ -146,13 +158,6 @@ struct Setting {
     known: Known,
     problem: Option<Problem>,
     wished: Vec<Wish>,
-}
-
-/// An accuracy wished for: px of map error, or the standard deviation of an intrinsic.
-#[derive(Debug, Clone, Copy)]
-enum Wish {
-    MapError(f64),
-    Sigma { intrinsic: usize, sigma: f64 },
 }
 
 impl Setting {

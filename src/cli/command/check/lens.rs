@@ -1,27 +1,18 @@
 //! How much of the picture the lens reaches.
 
-use serde_json::{Value, json};
-
 use crate::camera::Camera;
+use crate::plan::document::LensDocument;
 
 /// From this share on the whole picture is meant: the share is counted on a grid.
 const WHOLE: f64 = 0.995;
 
-pub(super) fn lens(camera: &Camera) -> Value {
-    json!({
-        "model": camera.lens().name(),
-        "picture_reached": camera.coverage(),
-        "folds_back_at_deg": camera.fold().map(f64::to_degrees),
-    })
-}
-
-pub(super) fn lens_text(camera: &Camera) -> String {
-    let size = format!("Lens: {}, {} x {} px", camera.lens().name(), camera.width(), camera.height());
-    let share = camera.coverage();
+pub(super) fn lens_text(camera: &Camera, lens: &LensDocument) -> String {
+    let size = format!("Lens: {}, {} x {} px", lens.model, camera.width(), camera.height());
+    let share = lens.picture_reached;
     if share >= WHOLE {
         return format!("{size}, and reaches the whole picture.");
     }
-    let fold = camera.fold().map(|angle| format!(", up to {:.1}° off the optical axis", angle.to_degrees()));
+    let fold = lens.folds_back_at_deg.map(|angle| format!(", up to {angle:.1}° off the optical axis"));
     format!(
         "{size}, and reaches {:.0} % of the picture{}; beyond, nothing is seen, and no view has corners there.",
         100.0 * share,

@@ -5,21 +5,19 @@ mod notes;
 mod sight;
 mod tested;
 
-use serde_json::{Value, json};
-
 use super::plan::what_views_do;
 use crate::cli::arguments::ProblemArguments;
 use crate::cli::memory::Memory;
 use crate::cli::output::failure::Failure;
 use crate::cli::output::{Screen, grouped};
 use crate::plan::assess::{Forecast, forecast};
-use crate::plan::survey::{CollisionDocument, Diagnosis, Obstacle, diagnose};
+use crate::plan::survey::diagnose;
 use crate::problem::{Accuracy, Goal, Problem};
 use crate::sweep::JointSpace;
-use lens::{lens, lens_text};
-use notes::{notes, notes_text};
-use sight::{sight, sight_text};
-use tested::{center_of_mass, self_collision, tests_text};
+use lens::lens_text;
+use notes::notes_text;
+use sight::sight_text;
+use tested::tests_text;
 
 /// Simulated calibrations that `plan` ends with when nothing else is asked for.
 const TRIALS: usize = 100;
@@ -42,37 +40,19 @@ pub(crate) fn run(arguments: &ProblemArguments, screen: &mut Screen) -> Result<(
         }
         JointSpace::Sample(_) => format!("sample of {} configurations", grouped(total)),
     };
-    screen.document(
-        &json!({
-            "format": "calipose.check",
-            "version": 1,
-            "problem": { "name": problem.name, "sha256": problem.sha256 },
-            "configurations": total,
-            "estimated_views": views,
-            "estimated_poses": forecast.count,
-            "estimated_seconds": seconds,
-            "search_limit_seconds": problem.selection.goal.searches().then_some(problem.selection.time_limit.as_secs_f64()),
-            "estimated_memory_mb": (bytes / 1e6).ceil(),
-            "memory_warning": memory,
-            "diagnosis": diagnosis.as_ref().map(diagnosis_document),
-            "camera": sight(&problem),
-            "lens": lens(&problem.camera),
-            "collision": CollisionDocument::new(&problem, checks.collision().links()),
-            "self_collision": self_collision(&problem, &checks),
-            "mass_kg": center_of_mass(&problem).map(|center| center.mass),
-            "notes": notes(&problem),
-        })
-        .to_string(),
-    )?;
+    let search_limit = problem.selection.goal.searches().then_some(problem.selection.time_limit.as_secs_f64());
+    let document =
+        forecast.document(&problem, checks.collision().links(), search_limit, diagnosis.as_ref(), memory.clone());
+    screen.document(&document)?;
     let mut text = format!(
         "{}: valid.\n{}{} joints, {space_text}.\n{}\n{}\n{}About {} of them {} (from {} tried).\n`calipose plan` would choose {}, \
          estimating {}, and write to {}.\nIt would take about {}{} and {} MB on this machine.",
         problem.name,
         notes_text(&problem),
         robot.chain.dof(),
-        sight_text(&problem),
-        lens_text(&problem.camera),
-        tests_text(&problem, &checks),
+        sight_text(&document.camera),
+        lens_text(&problem.camera, &document.lens),
+        tests_text(&problem, &checks, &document),
         grouped(views),
         what_views_do(&problem),
         grouped(tried),
@@ -80,14 +60,9 @@ pub(crate) fn run(arguments: &ProblemArguments, screen: &mut Screen) -> Result<(
         problem.unknowns().names().join(" "),
         problem.output.display(),
         duration(seconds),
-        if problem.selection.goal.searches() {
-            format!(
-                ", up to {} more for the search for the proof,",
-                duration(problem.selection.time_limit.as_secs_f64())
-            )
-        } else {
-            String::new()
-        },
+        search_limit.map_or(String::new(), |limit| {
+            format!(", up to {} more for the search for the proof,", duration(limit))
+        }),
         grouped((bytes / 1e6).ceil() as usize),
     );
     if let Some(diagnosis) = &diagnosis {
@@ -119,24 +94,6 @@ fn chosen(problem: &Problem, forecast: &Forecast) -> String {
         None => "perhaps more than there are".into(),
     };
     format!("the fewest poses that reach {} ({count})", wished.collect::<Vec<_>>().join(", "))
-}
-
-fn diagnosis_document(diagnosis: &Diagnosis) -> Value {
-    json!({
-        "tried": diagnosis.tried,
-        "views": diagnosis.views,
-        "obstacle": diagnosis.obstacle.as_ref().map(|Obstacle { stops_all, nearest }| json!({
-            "reason": nearest.name(),
-            "stops_all": stops_all,
-            "nearest": nearest.to_string(),
-            "advice": nearest.advice(),
-        })),
-        "suspicions": diagnosis
-            .smells
-            .iter()
-            .map(|smell| json!({ "name": smell.name(), "sentence": smell.to_string() }))
-            .collect::<Value>(),
-    })
 }
 
 /// A time as one would say it.

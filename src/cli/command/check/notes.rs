@@ -1,7 +1,5 @@
 //! What was read otherwise than it stands in the files.
 
-use serde_json::{Value, json};
-
 use crate::problem::Problem;
 
 /// More lines would hide what comes after them; the document has all.
@@ -15,8 +13,4 @@ pub(super) fn notes_text(problem: &Problem) -> String {
         text += &format!("{} more notes; --json has them all.\n", problem.notes.len() - MOST);
     }
     text
-}
-
-pub(super) fn notes(problem: &Problem) -> Value {
-    problem.notes.iter().map(|note| json!({ "key": note.key, "note": note.text })).collect()
 }

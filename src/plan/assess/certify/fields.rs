@@ -3,7 +3,7 @@
 use super::compare::{alike, near, number, numbers, other, same};
 use super::error::CertifyError;
 use super::evidence::Accuracies;
-use crate::plan::document::{Candidates, Intrinsics, PlannedPose, Pose};
+use crate::plan::document::{Intrinsics, PlannedPose, Pose, SurveyCounts};
 use crate::problem::{Method, Problem};
 
 /// Numbers of a pose agree to this: m, degrees, entries of a quaternion.
@@ -29,13 +29,13 @@ pub(crate) fn is_that_method(
     same("whether a search followed", &searched, &(method == Method::Exact.name()))
 }
 
-pub(crate) fn are_those_candidates(stated: &Candidates, found: &Candidates) -> Result<(), CertifyError> {
-    let Candidates { swept, axis_inside, axis_edge, refined, kept, rejected } = stated;
+pub(crate) fn are_those_counts(stated: &SurveyCounts, found: &SurveyCounts) -> Result<(), CertifyError> {
+    let SurveyCounts { swept, axis_inside, axis_edge, refined, views, rejected } = stated;
     same("the number of configurations swept", swept, &found.swept)?;
     same("the number of axes inside the zone", axis_inside, &found.axis_inside)?;
     same("the number of axes on the zone's edge", axis_edge, &found.axis_edge)?;
     same("the number of configurations tried around picked poses", refined, &found.refined)?;
-    same("the number of candidates", kept, &found.kept)?;
+    same("the number of views", views, &found.views)?;
     alike("the count of rejected candidates", rejected, &found.rejected)
 }
 

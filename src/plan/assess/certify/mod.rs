@@ -17,14 +17,14 @@ pub use unchecked::Unchecked;
 use super::locate::LocateError;
 use crate::information::Criterion;
 use crate::plan::document::{
-    AccuracyDocument, Candidates, CertificateDocument, FewestDocument, PLAN_FORMAT, PLAN_VERSION, Plan, PlannedPose,
-    ProblemReference, SearchDocument,
+    AccuracyDocument, CertificateDocument, Certified, CollisionDocument, Document, FewestDocument, Header, NotChecked,
+    Plan, PlannedPose, ProblemReference, SearchDocument, SurveyCounts,
 };
-use crate::plan::survey::{CollisionDocument, Survey};
+use crate::plan::survey::Survey;
 use crate::problem::{Accuracy, Goal, Problem};
 use compare::{alike, different, near, number, other, same};
 use evidence::{Accuracies, Evidence, Rounded};
-use fields::{are_those_candidates, are_those_intrinsics, is_that_method, is_that_pose};
+use fields::{are_those_counts, are_those_intrinsics, is_that_method, is_that_pose};
 use unchecked::{BY_SEARCH, EFFORT, HOW_FOUND};
 
 /// Numbers that are the same agree to this share, and to what rounding may have moved them beyond.
@@ -36,8 +36,8 @@ const MOST_ROUNDING: f64 = 1e-2;
 /// What was confirmed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Confirmed {
-    /// Candidates that were scored.
-    pub candidates: usize,
+    /// Views that were scored.
+    pub views: usize,
     /// The plan's value in the criterion's own unit.
     pub value: f64,
     /// The bound that its certificate proves.
@@ -53,6 +53,27 @@ pub struct Confirmed {
     pub unchecked: Vec<Unchecked>,
 }
 
+impl Confirmed {
+    /// What is written of the `plan` that was confirmed.
+    pub fn document(&self, plan: &Plan) -> Certified {
+        let not_checked =
+            |Unchecked { field, reason }: &Unchecked| NotChecked { field: field.clone(), reason: (*reason).into() };
+        Certified {
+            header: Certified::header(),
+            problem: plan.problem.clone(),
+            criterion: plan.criterion.clone(),
+            count: plan.count,
+            views: self.views,
+            value: self.value,
+            bound: self.bound,
+            efficiency: self.efficiency,
+            least_count: self.least,
+            tolerance: self.tolerance,
+            not_checked: self.unchecked.iter().map(not_checked).collect(),
+        }
+    }
+}
+
 /// Recomputes all that `plan` claims, from its poses' joint values and its certificate's matrices, on `problem`, surveyed.
 /// What it was optimised for is taken from the plan, for the command line may have said otherwise than the file.
 ///
@@ -61,9 +82,7 @@ pub struct Confirmed {
 pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confirmed, CertifyError> {
     // Here and below documents are taken apart whole, so that a new field cannot go by unnoticed.
     let Plan {
-        format,
-        version,
-        calipose: _,
+        header: Header { format, version, calipose: _ },
         problem: ProblemReference { name, sha256, set },
         criterion,
         method,
@@ -72,7 +91,7 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
         value: stated_value,
         bound: stated_bound,
         efficiency: stated_efficiency,
-        candidates,
+        survey: counts,
         collision,
         intrinsics,
         map_error_px,
@@ -84,8 +103,8 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
     } = plan;
     let mut unchecked = Unchecked::all(&["calipose", "method", "seed"], HOW_FOUND);
 
-    same("the format", format.as_str(), PLAN_FORMAT)?;
-    same("the version", version, &PLAN_VERSION)?;
+    same("the format", format.as_str(), Plan::FORMAT)?;
+    same("the version", version, &Plan::VERSION)?;
     same("the problem's name", name, &problem.name)?;
     same("the problem's hash", sha256, &problem.sha256)?;
     alike("what is given in place of the problem file's values", set, &problem.overrides.of_results())?;
@@ -105,7 +124,7 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
     if !poses.is_sorted_by_key(|pose| pose.id) {
         return Err(other("the order of the poses", "another", "by ascending id"));
     }
-    are_those_candidates(candidates, &Candidates::new(survey))?;
+    are_those_counts(counts, &SurveyCounts::new(survey))?;
     let tested = Some(CollisionDocument::new(problem, &survey.links));
     alike("what was tested for collision", collision, &tested)?;
 
@@ -128,8 +147,8 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
     let tolerance = SAME + value.uncertainty + bound.uncertainty;
     match search {
         None => evidence.equal("the bound", *stated_bound, bound.log, tolerance)?,
-        Some(SearchDocument { end, nodes: _, candidates: _ }) => {
-            unchecked.extend(Unchecked::all(&["search.nodes", "search.candidates"], EFFORT));
+        Some(SearchDocument { end, nodes: _, open_views: _ }) => {
+            unchecked.extend(Unchecked::all(&["search.nodes", "search.open_views"], EFFORT));
             unchecked.extend(Unchecked::all(&["bound", "efficiency", "search.end"], BY_SEARCH));
             // Between the two lies what a search may claim; the most it may claim is that they are one.
             let claimed = evidence.log_of(*stated_bound);
@@ -158,7 +177,7 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
         }
     }
     Ok(Confirmed {
-        candidates: survey.views.len(),
+        views: survey.views.len(),
         value: evidence.natural(value.log),
         bound: evidence.natural(bound.log),
         efficiency: (value.log - bound.log).exp(),

@@ -1,4 +1,4 @@
-//! The candidates as a table: all that the paper stores of each configuration.
+//! The views as a table: all that the paper stores of each configuration.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::parser::parse_message_type;
 
-use super::plan::{Pose, joint_columns};
+use super::pose::{Pose, joint_columns};
 use crate::feasibility::View;
 use crate::problem::Problem;
 use crate::robot::JointKind;
@@ -64,7 +64,7 @@ impl Table {
 ///
 /// # Errors
 /// Never in practice: the writer writes to memory.
-pub fn candidates_csv(problem: &Problem, views: &[View]) -> Result<Vec<u8>, csv::Error> {
+pub fn views_csv(problem: &Problem, views: &[View]) -> Result<Vec<u8>, csv::Error> {
     let table = Table::new(problem, views);
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(std::iter::once("id").chain(table.names.iter().map(String::as_str)))?;
@@ -79,7 +79,7 @@ pub fn candidates_csv(problem: &Problem, views: &[View]) -> Result<Vec<u8>, csv:
 ///
 /// # Errors
 /// Never in practice: the writer writes to memory.
-pub fn candidates_parquet(problem: &Problem, views: &[View]) -> Result<Vec<u8>, ParquetError> {
+pub fn views_parquet(problem: &Problem, views: &[View]) -> Result<Vec<u8>, ParquetError> {
     let table = Table::new(problem, views);
     // Column names in a schema text end at blanks; a joint may be named anything.
     let plain = |name: &String| name.replace(|c: char| !c.is_alphanumeric() && c != '_', "_");

@@ -1,24 +1,16 @@
 //! The explanation of a plan as it is written by `calipose explain --json`.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::plan::ProblemReference;
-
-/// Value of the key `format`.
-pub const EXPLANATION_FORMAT: &str = "calipose.explanation";
-
-/// Value of the key `version`; rises when a reader of the older version would misread the document.
-pub const EXPLANATION_VERSION: u32 = 1;
+use crate::plan::document::header::{Document, Header, ProblemReference};
 
 /// Why a plan is as it is. Numbers that are infinite or undefined are `null`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Explanation {
-    /// [`EXPLANATION_FORMAT`].
-    pub format: String,
-    /// [`EXPLANATION_VERSION`].
-    pub version: u32,
-    /// Version of calipose that explained.
-    pub calipose: String,
+    /// What it is and what made it.
+    #[serde(flatten)]
+    pub header: Header,
     /// The problem that the plan answers.
     pub problem: ProblemReference,
     /// What the plan optimises, as in the plan.
@@ -39,8 +31,13 @@ pub struct Explanation {
     pub joints: Vec<String>,
 }
 
+impl Document for Explanation {
+    const FORMAT: &'static str = "calipose.explanation";
+    const VERSION: u32 = 1;
+}
+
 /// What the best sets of one number of poses give.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CurvePoint {
     /// Number of poses.
     pub count: usize,
@@ -55,7 +52,7 @@ pub struct CurvePoint {
 }
 
 /// What one pose is worth to the plan.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PoseExplanation {
     /// Number of the configuration.
     pub id: usize,
@@ -75,7 +72,7 @@ pub struct PoseExplanation {
 }
 
 /// An intrinsic and its standard deviations.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Suffering {
     /// Name of the intrinsic.
     pub name: String,
@@ -86,7 +83,7 @@ pub struct Suffering {
 }
 
 /// A view that can take a pose's place.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SparePose {
     /// Number of the configuration.
     pub id: usize,
@@ -100,7 +97,7 @@ pub struct SparePose {
 
 /// The combination `Σ c_j θ_j / u_j` of the intrinsics that is known least, with `u_j` the change of `θ_j` alone that moves the
 /// image by 1 px RMS and `Σ c_j² = 1`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LeastKnown {
     /// The coefficients `c_j`, in the order of the intrinsics; the largest is positive.
     pub combination: Vec<CombinationTerm>,
@@ -112,7 +109,7 @@ pub struct LeastKnown {
 }
 
 /// A parameter and its coefficient.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CombinationTerm {
     /// Name of the parameter.
     pub name: String,

@@ -1,5 +1,6 @@
 //! What a plan proves, as it is written: parts of `plan.json`.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::information::Criterion;
@@ -9,7 +10,7 @@ use crate::selection::packed::{packed_len, unpack};
 use crate::selection::{Certificate, SearchEnd};
 
 /// The numbers that prove a bound: scores `Σ_t ⟨Y_t, M_ti⟩` less the prices of the caps, see the book's page "The method".
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CertificateDocument {
     /// The bound that they prove, as [`Plan::bound`](crate::plan::document::Plan::bound).
     pub bound: f64,
@@ -24,7 +25,7 @@ pub struct CertificateDocument {
 }
 
 /// A criterion's part of a certificate.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CertificateTerm {
     /// Name of the criterion.
     pub criterion: String,
@@ -35,7 +36,7 @@ pub struct CertificateTerm {
 }
 
 /// The price of a group.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Price {
     /// Number of the group, from 0.
     pub group: usize,
@@ -44,18 +45,18 @@ pub struct Price {
 }
 
 /// How the search for the proven best set went.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct SearchDocument {
     /// "optimal"; or what ended it before: "node limit", "time limit or interrupt": [`SearchDocument::ENDS`].
     pub end: String,
     /// Parts of the search space that were bounded.
     pub nodes: usize,
-    /// Candidates left after those that no better set can hold.
-    pub candidates: usize,
+    /// Views left open: not proven to be in no better set, or in every one.
+    pub open_views: usize,
 }
 
 /// Why no fewer poses suffice.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FewestDocument {
     /// What was wished for, and what the plan reaches.
     pub accuracies: Vec<AccuracyDocument>,
@@ -70,7 +71,7 @@ pub struct FewestDocument {
 }
 
 /// An accuracy, wished for and reached, as standard deviations.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AccuracyDocument {
     /// `map_error_px` or the name of an intrinsic.
     pub name: String,
@@ -81,7 +82,7 @@ pub struct AccuracyDocument {
 }
 
 impl AccuracyDocument {
-    pub(crate) fn new(Reached { name, wished, reached }: Reached) -> Self {
+    pub(super) fn new(Reached { name, wished, reached }: Reached) -> Self {
         Self { name, wished, reached }
     }
 }
@@ -99,7 +100,7 @@ impl SearchDocument {
             SearchEnd::NodeLimit => 1,
             SearchEnd::Stopped => 2,
         };
-        Self { end: Self::ENDS[end].into(), nodes: search.nodes, candidates: search.open_at_root }
+        Self { end: Self::ENDS[end].into(), nodes: search.nodes, open_views: search.open_at_root }
     }
 }
 

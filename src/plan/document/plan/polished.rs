@@ -1,30 +1,24 @@
 //! A polished plan as it is written: `polished.json` and `polished.csv`.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::plan::{Intrinsics, PlannedPose, ProblemReference, poses_csv};
+use super::Intrinsics;
+use super::pose::{PlannedPose, poses_csv};
 use super::proof::CertificateDocument;
+use crate::plan::document::header::{Document, Header, ProblemReference};
 use crate::robot::Joint;
-
-/// Value of the key `format`.
-pub const POLISHED_FORMAT: &str = "calipose.polished";
-
-/// Value of the key `version`; rises when a reader of the older version would misread the file.
-pub const POLISHED_VERSION: u32 = 1;
 
 /// Value of the key `proven`.
 pub const PROVEN: &str = "the certificate is of the grid; off the grid nothing is proven";
 
 /// A plan whose poses were moved off the grid, key by key as in `polished.json`. SI units, angles in rad unless the key says
 /// otherwise.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct PolishedPlan {
-    /// [`POLISHED_FORMAT`].
-    pub format: String,
-    /// [`POLISHED_VERSION`].
-    pub version: u32,
-    /// Version of calipose that polished.
-    pub calipose: String,
+    /// What it is and what made it.
+    #[serde(flatten)]
+    pub header: Header,
     /// The problem that the plan answers.
     pub problem: ProblemReference,
     /// What is optimised, as in the plan.
@@ -56,7 +50,7 @@ pub struct PolishedPlan {
 }
 
 /// The plan on the grid, and what is proven of it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct GridPlan {
     /// Its value.
     pub value: f64,
@@ -70,14 +64,12 @@ pub struct GridPlan {
     pub certificate: CertificateDocument,
 }
 
-impl PolishedPlan {
-    /// The bytes of `polished.json`.
-    pub fn to_json(&self) -> String {
-        let mut text = serde_json::to_string_pretty(self).unwrap_or_default();
-        text.push('\n');
-        text
-    }
+impl Document for PolishedPlan {
+    const FORMAT: &'static str = "calipose.polished";
+    const VERSION: u32 = 1;
+}
 
+impl PolishedPlan {
     /// The bytes of `polished.csv`, as those of `plan.csv`.
     ///
     /// # Errors

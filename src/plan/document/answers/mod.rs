@@ -1,0 +1,18 @@
+//! What is answered about a plan, its methods and the calibrations it leads to.
+
+mod calibration;
+mod certified;
+mod comparison;
+mod explanation;
+mod next;
+mod verification;
+
+pub use calibration::{
+    CalibratedView, CalibrationDocument, EstimatedIntrinsics, MapErrorOverImage, OutlierDocument, PictureSize,
+    ResidualLengths, WishedAccuracy,
+};
+pub use certified::{Certified, NotChecked};
+pub use comparison::{ComparisonDocument, ComparisonEquivalent, ComparisonRow, MeasuredRow};
+pub use explanation::{CombinationTerm, CurvePoint, Explanation, LeastKnown, PoseExplanation, SparePose, Suffering};
+pub use next::{NextDocument, SimulatedMapError};
+pub use verification::{FailedTrial, MapErrorCheck, ParameterCheck, Verification};

@@ -1,0 +1,208 @@
+//! The plan as it is written, and what is written beside it.
+
+mod collision;
+mod polished;
+mod pose;
+mod proof;
+mod run;
+mod survey_counts;
+mod views_table;
+
+pub use collision::CollisionDocument;
+pub use polished::{GridPlan, PROVEN, PolishedPlan};
+pub(crate) use pose::poses_csv;
+pub use pose::{PlannedPose, Pose, joints_deg};
+pub use proof::{AccuracyDocument, CertificateDocument, CertificateTerm, FewestDocument, Price, SearchDocument};
+pub use run::{Run, RunProblem, RunSeconds};
+pub use survey_counts::SurveyCounts;
+pub use views_table::{views_csv, views_parquet};
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::information::Criterion;
+use crate::plan::choose::{Chooser, Decision, PlanError};
+use crate::plan::document::header::{Document, Header, ProblemReference};
+use crate::problem::Problem;
+use crate::robot::Joint;
+
+/// A calibration plan, key by key as in `plan.json`. SI units, angles in rad unless the key says otherwise.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Plan {
+    /// What it is and what made it.
+    #[serde(flatten)]
+    pub header: Header,
+    /// The problem it answers.
+    pub problem: ProblemReference,
+    /// Name of the criterion; of several with their shares, `0.8 v + 0.2 diversity`; `accuracy` where accuracies were wished
+    /// for.
+    pub criterion: String,
+    /// Name of the method.
+    pub method: String,
+    /// Number of poses, k.
+    pub count: usize,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// The criterion's value: log det for `d` and `diversity`, a variance in px² for `a` and `v`, an eigenvalue for `e` and
+    /// `zhang`, the weighted geometric mean Φ of several; for accuracies the least of (wished / reached)².
+    pub value: f64,
+    /// What no k of the views can surpass: a lower bound for `a` and `v`, an upper bound for the others.
+    pub bound: f64,
+    /// Certified efficiency: the share of the best possible information that the plan has at least.
+    pub efficiency: f64,
+    /// What the poses were chosen from, in numbers.
+    pub survey: SurveyCounts,
+    /// What the poses were tested for that could be hit; plans of older versions do not say.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub collision: Option<CollisionDocument>,
+    /// Predicted standard deviations.
+    pub intrinsics: Intrinsics,
+    /// Predicted RMS error of the calibrated projection over the image, in px.
+    pub map_error_px: f64,
+    /// The proof of the bound; where a search followed, of the bound that it started from.
+    pub certificate: CertificateDocument,
+    /// How the search for the proven best set went, if there was one.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub search: Option<SearchDocument>,
+    /// Why no fewer poses suffice, if accuracies were wished for.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub fewest: Option<FewestDocument>,
+    /// Names of the joints, in the order of the poses' joint values.
+    pub joints: Vec<String>,
+    /// The poses, by ascending id.
+    pub poses: Vec<PlannedPose>,
+}
+
+/// Why a text is not a plan.
+#[derive(Debug, Error)]
+pub enum PlanReadError {
+    /// It is not JSON, or a key is missing or of the wrong type.
+    #[error("not a plan: {0}")]
+    Json(serde_json::Error),
+    /// It is another kind of document.
+    #[error("the key `format` is \"{found}\"; a plan says \"{}\"", Plan::FORMAT)]
+    Format {
+        /// What it says.
+        found: String,
+    },
+    /// It is of an older version.
+    #[error(
+        "the plan is of version {found}, made by an older calipose; this one reads version {}: make a new plan",
+        Plan::VERSION
+    )]
+    Older {
+        /// What it says.
+        found: u64,
+    },
+    /// It is of no version that is known.
+    #[error("the plan is of version {found}; this calipose reads version {}", Plan::VERSION)]
+    Version {
+        /// What it says.
+        found: String,
+    },
+}
+
+/// The estimated intrinsics; lists of one length.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Intrinsics {
+    /// Names.
+    pub names: Vec<String>,
+    /// Nominal values.
+    pub nominal: Vec<f64>,
+    /// Predicted standard deviations.
+    pub sigma: Vec<f64>,
+}
+
+impl Document for Plan {
+    const FORMAT: &'static str = "calipose.plan";
+    const VERSION: u32 = 3;
+}
+
+impl Plan {
+    /// The plan of a decision of `chooser`.
+    ///
+    /// # Errors
+    /// When the choice is not the chooser's.
+    pub fn new(problem: &Problem, chooser: &Chooser, decision: &Decision) -> Result<Self, PlanError> {
+        let settings = &problem.selection;
+        let survey = chooser.survey();
+        let choice = &decision.choice;
+        let names = problem.unknowns().names();
+        let shares = chooser.shares(&choice.selected)?;
+        let poses = choice.selected.iter().zip(shares);
+        let document = |certificate| CertificateDocument::new(chooser.objective(), certificate);
+        let fewest = decision.fewest.as_ref().map(|proof| FewestDocument {
+            accuracies: chooser.reached(choice).into_iter().map(AccuracyDocument::new).collect(),
+            least: proof.least,
+            refutation: proof.refutation.as_ref().map(|refutation| document(&refutation.certificate)),
+            nodes: proof.refutation.as_ref().map_or(0, |refutation| refutation.nodes),
+        });
+        Ok(Self {
+            header: Self::header(),
+            problem: ProblemReference::new(problem),
+            criterion: chooser.criterion(),
+            method: settings.goal.method().name().into(),
+            count: choice.selected.len(),
+            seed: settings.seed,
+            value: chooser.natural(choice.log_value),
+            bound: chooser.natural(decision.log_bound),
+            efficiency: (choice.log_value - decision.log_bound).exp(),
+            survey: SurveyCounts::new(survey),
+            collision: Some(CollisionDocument::new(problem, &survey.links)),
+            intrinsics: Intrinsics {
+                names: names.iter().map(|&name| name.into()).collect(),
+                nominal: problem.unknowns().values(),
+                sigma: choice.sigma.clone(),
+            },
+            map_error_px: choice.map_error,
+            certificate: document(&decision.certificate),
+            search: decision.search.as_ref().map(SearchDocument::new),
+            fewest,
+            joints: problem.robot.chain.joints.iter().map(|joint| joint.name.clone()).collect(),
+            poses: poses.map(|(&i, share)| PlannedPose::new(problem, &survey.views[i], share)).collect(),
+        })
+    }
+
+    /// The criteria that the plan optimises and their shares; `None` for accuracies, and where a name is not known or the
+    /// shares are not positive and of sum one.
+    pub fn criteria(&self) -> Option<Vec<(Criterion, f64)>> {
+        let terms = self.certificate.terms.iter();
+        let criteria: Option<Vec<_>> = terms.map(|term| Some((term.criterion.parse().ok()?, term.share))).collect();
+        criteria.filter(|criteria| {
+            let sum: f64 = criteria.iter().map(|(_, share)| share).sum();
+            criteria.iter().all(|&(_, share)| share > 0.0) && (sum - 1.0).abs() < 1e-9
+        })
+    }
+
+    /// The plan that `text`, the content of a `plan.json`, holds.
+    ///
+    /// # Errors
+    /// When it is not JSON, not a plan, or of a version that this program does not know.
+    pub fn from_json(text: &str) -> Result<Self, PlanReadError> {
+        let value: serde_json::Value = serde_json::from_str(text).map_err(PlanReadError::Json)?;
+        let format = value["format"].as_str().unwrap_or_default();
+        if format != Self::FORMAT {
+            return Err(PlanReadError::Format { found: format.to_owned() });
+        }
+        match &value["version"] {
+            version if *version == Self::VERSION => {}
+            version => {
+                let older = version.as_u64().filter(|&found| found < Self::VERSION.into());
+                let unknown = PlanReadError::Version { found: version.to_string() };
+                return Err(older.map_or(unknown, |found| PlanReadError::Older { found }));
+            }
+        }
+        serde_json::from_value(value).map_err(PlanReadError::Json)
+    }
+
+    /// The bytes of `plan.csv`: one pose a line under a header, the values of all of `joints` in rad (m) under
+    /// `joint_<name>_rad` (`_m`), then in degrees (mm) under `joint_<name>_deg` (`_mm`). The last column, `stability_margin_m`,
+    /// is there where stability is tested.
+    ///
+    /// # Errors
+    /// Never in practice: the writer writes to memory.
+    pub fn to_csv(&self, joints: &[Joint]) -> Result<Vec<u8>, csv::Error> {
+        poses_csv(joints, &self.poses)
+    }
+}
