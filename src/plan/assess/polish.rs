@@ -55,7 +55,7 @@ pub struct Polished {
 }
 
 impl Polished {
-    /// What is written of it, polished from `plan` by `chooser`.
+    /// What is written of the poses, which `chooser` polished from those of `plan`.
     pub fn document(&self, problem: &Problem, chooser: &Chooser, plan: &Plan) -> PolishedPlan {
         let gain = (self.log_value - self.grid_log_value).exp();
         let poses = self.views.iter().zip(&self.shares);

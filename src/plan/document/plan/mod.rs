@@ -120,19 +120,19 @@ impl Document for Plan {
 }
 
 impl Plan {
-    /// The plan of what was made by `chooser`.
+    /// The plan of a decision of `chooser`.
     ///
     /// # Errors
     /// When the choice is not the chooser's.
-    pub fn new(problem: &Problem, chooser: &Chooser, made: &Decision) -> Result<Self, PlanError> {
+    pub fn new(problem: &Problem, chooser: &Chooser, decision: &Decision) -> Result<Self, PlanError> {
         let settings = &problem.selection;
         let survey = chooser.survey();
-        let choice = &made.choice;
+        let choice = &decision.choice;
         let names = problem.unknowns().names();
         let shares = chooser.shares(&choice.selected)?;
         let poses = choice.selected.iter().zip(shares);
         let document = |certificate| CertificateDocument::new(chooser.objective(), certificate);
-        let fewest = made.fewest.as_ref().map(|proof| FewestDocument {
+        let fewest = decision.fewest.as_ref().map(|proof| FewestDocument {
             accuracies: chooser.reached(choice).into_iter().map(AccuracyDocument::new).collect(),
             least: proof.least,
             refutation: proof.refutation.as_ref().map(|refutation| document(&refutation.certificate)),
@@ -146,18 +146,18 @@ impl Plan {
             count: choice.selected.len(),
             seed: settings.seed,
             value: chooser.natural(choice.log_value),
-            bound: chooser.natural(made.log_bound),
-            efficiency: (choice.log_value - made.log_bound).exp(),
+            bound: chooser.natural(decision.log_bound),
+            efficiency: (choice.log_value - decision.log_bound).exp(),
             survey: SurveyCounts::new(survey),
             collision: Some(CollisionDocument::new(problem, &survey.links)),
             intrinsics: Intrinsics {
                 names: names.iter().map(|&name| name.into()).collect(),
-                nominal: problem.estimated.iter().map(|&i| problem.camera.intrinsics()[i]).collect(),
+                nominal: problem.unknowns().values(),
                 sigma: choice.sigma.clone(),
             },
             map_error_px: choice.map_error,
-            certificate: document(&made.certificate),
-            search: made.search.as_ref().map(SearchDocument::new),
+            certificate: document(&decision.certificate),
+            search: decision.search.as_ref().map(SearchDocument::new),
             fewest,
             joints: problem.robot.chain.joints.iter().map(|joint| joint.name.clone()).collect(),
             poses: poses.map(|(&i, share)| PlannedPose::new(problem, &survey.views[i], share)).collect(),
