@@ -6,6 +6,7 @@
 mod builder;
 mod constraints;
 mod draft;
+mod error;
 mod fault;
 mod goal;
 mod method;
@@ -17,7 +18,8 @@ mod text;
 pub use builder::ProblemBuilder;
 pub use constraints::{JointRegion, PoseConstraints, PoseGroup};
 pub use draft::{DraftError, draft};
-pub use fault::{Allowed, Fault, ProblemError, Reason};
+pub use error::ProblemError;
+pub use fault::{Allowed, Fault, Reason};
 pub use goal::{Accuracy, Goal, SelectionSettings};
 pub use method::Method;
 pub use note::Note;

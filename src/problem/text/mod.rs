@@ -3,8 +3,12 @@
 mod document;
 mod merge;
 mod overrides;
+mod path;
+mod source;
 mod syntax;
 
-pub(super) use document::{Document, KeyPath, Source};
+pub(super) use document::Document;
 pub use overrides::{OverrideError, Overrides};
+pub(super) use path::KeyPath;
+pub(super) use source::Source;
 pub(super) use syntax::{fault, read};
