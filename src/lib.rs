@@ -56,6 +56,7 @@
 
 pub mod calibration;
 pub mod camera;
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod feasibility;
 pub mod figures;

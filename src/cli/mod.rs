@@ -135,6 +135,7 @@ fn schema_name() -> impl clap::builder::TypedValueParser<Value = String> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum TableFormat {
     Csv,
+    #[cfg(feature = "parquet")]
     Parquet,
 }
 

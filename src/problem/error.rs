@@ -1,18 +1,16 @@
 //! Why a problem file cannot be used.
 
-use std::fmt;
 use std::io;
 use std::path::PathBuf;
 
-use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 use thiserror::Error;
 
 use super::fault::Fault;
 
 /// Faults that are drawn at most.
-const MOST_DRAWN: usize = 50;
+pub(super) const MOST_DRAWN: usize = 50;
 
-/// Why a problem file cannot be used. As a [`Diagnostic`] it draws every fault under its line of the file.
+/// Why a problem file cannot be used. With the feature `cli` it is a diagnostic of miette, which draws every fault under its line.
 #[derive(Debug, Error)]
 pub enum ProblemError {
     /// The file could not be read.
@@ -32,13 +30,22 @@ pub enum ProblemError {
         line: usize,
     },
     /// The file says something impossible.
-    #[error("{}", summary(faults, file.name()))]
+    #[error("{}", summary(faults, &file.name))]
     Invalid {
         /// The file's name and text.
-        file: NamedSource<String>,
+        file: SourceFile,
         /// What is wrong, at least one thing, in the order found.
         faults: Vec<Fault>,
     },
+}
+
+/// A file's name and text.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SourceFile {
+    /// Its name in messages.
+    pub name: String,
+    /// What it says.
+    pub text: String,
 }
 
 fn summary(faults: &[Fault], file: &str) -> String {
@@ -61,48 +68,6 @@ impl ProblemError {
         match self {
             Self::Invalid { faults, .. } => faults,
             Self::Read { .. } | Self::Encoding { .. } => &[],
-        }
-    }
-
-    /// The only fault, which is then drawn as the error itself.
-    fn single(&self) -> Option<&Fault> {
-        match self.faults() {
-            [fault] => Some(fault),
-            _ => None,
-        }
-    }
-}
-
-impl Diagnostic for ProblemError {
-    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        match self {
-            Self::Read { source, .. } if source.kind() == io::ErrorKind::NotFound => {
-                Some(Box::new("`calipose init` writes a problem file to start from"))
-            }
-            Self::Read { source, .. } if source.kind() == io::ErrorKind::IsADirectory => {
-                Some(Box::new("name the problem file in it"))
-            }
-            Self::Read { .. } => None,
-            Self::Encoding { .. } => Some(Box::new("save the file as UTF-8")),
-            Self::Invalid { .. } => self.single().and_then(Fault::help),
-        }
-    }
-
-    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        self.single().and_then(Fault::labels)
-    }
-
-    fn source_code(&self) -> Option<&dyn SourceCode> {
-        match self {
-            Self::Invalid { file, .. } => self.single().and_then(Fault::source_code).or(Some(file)),
-            Self::Read { .. } | Self::Encoding { .. } => None,
-        }
-    }
-
-    fn related<'a>(&'a self) -> Option<Box<dyn Iterator<Item = &'a dyn Diagnostic> + 'a>> {
-        match self.faults() {
-            [] | [_] => None,
-            faults => Some(Box::new(faults.iter().take(MOST_DRAWN).map(|fault| fault as &dyn Diagnostic))),
         }
     }
 }

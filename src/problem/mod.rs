@@ -5,6 +5,8 @@
 
 mod builder;
 mod constraints;
+#[cfg(feature = "cli")]
+mod diagnostic;
 mod draft;
 mod error;
 mod fault;
@@ -18,7 +20,7 @@ mod text;
 pub use builder::ProblemBuilder;
 pub use constraints::{JointRegion, PoseConstraints, PoseGroup};
 pub use draft::{DraftError, draft};
-pub use error::ProblemError;
+pub use error::{ProblemError, SourceFile};
 pub use fault::{Allowed, Fault, Reason};
 pub use goal::{Accuracy, Goal, SelectionSettings};
 pub use method::Method;
@@ -28,7 +30,6 @@ pub use text::{OverrideError, Overrides};
 
 use std::path::{Path, PathBuf};
 
-use miette::NamedSource;
 use sha2::{Digest, Sha256};
 
 use crate::camera::Camera;
@@ -184,9 +185,10 @@ impl Problem {
                 overrides: overrides.clone(),
                 ..problem
             }),
-            Err(faults) => {
-                Err(ProblemError::Invalid { file: NamedSource::new(path.to_string_lossy(), text.to_owned()), faults })
-            }
+            Err(faults) => Err(ProblemError::Invalid {
+                file: SourceFile { name: path.to_string_lossy().into_owned(), text: text.to_owned() },
+                faults,
+            }),
         }
     }
 }

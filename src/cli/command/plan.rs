@@ -17,7 +17,7 @@ use crate::cli::searching::searching;
 use crate::cli::{TableFormat, trials};
 use crate::plan::assess::{compare, verify};
 use crate::plan::choose::{Chooser, candidates, decide};
-use crate::plan::document::{Document, Plan, PlannedPose, Run, RunSeconds, Verification, views_csv, views_parquet};
+use crate::plan::document::{Document, Plan, PlannedPose, Run, RunSeconds, Verification, views_csv};
 use crate::plan::results::{PLAN_FILE, RUN_FILE, add_results, owner, probe, write_results};
 use crate::plan::survey::Survey;
 use crate::problem::{Method, Problem};
@@ -144,8 +144,10 @@ impl PlanArguments {
         let views = &survey.views;
         let candidates = match self.candidates {
             Some(TableFormat::Csv) => Some(("candidates.csv", views_csv(problem, views).map_err(in_memory)?)),
+            #[cfg(feature = "parquet")]
             Some(TableFormat::Parquet) => {
-                Some(("candidates.parquet", views_parquet(problem, views).map_err(in_memory)?))
+                let table = crate::plan::document::views_parquet(problem, views).map_err(in_memory)?;
+                Some(("candidates.parquet", table))
             }
             None => None,
         };

@@ -27,7 +27,7 @@ fn faults(failure: &Failure) -> Vec<FaultDocument> {
     };
     match failure {
         Failure::Problem(ProblemError::Invalid { file, faults }) => {
-            faults.iter().map(|found| fault(Path::new(file.name()), found)).collect()
+            faults.iter().map(|found| fault(Path::new(&file.name), found)).collect()
         }
         Failure::Problem(ProblemError::Encoding { path, line: at }) => place(path, Some(*at), None),
         Failure::Problem(ProblemError::Read { path, .. }) | Failure::PlanFile { path, .. } => place(path, None, None),
@@ -46,8 +46,8 @@ fn fault(file: &Path, fault: &Fault) -> FaultDocument {
         message: Some(fault.to_string()),
         value,
         allowed,
-        requirement: fault.labels().and_then(|mut labels| labels.next()?.label().map(str::to_owned)),
-        hint: fault.help().map(|hint| hint.to_string()),
+        requirement: Some(fault.label()),
+        hint: fault.hint(),
         in_file: match &fault.reason {
             Reason::CameraFile { path, error } | Reason::RobotFile { path, error } => {
                 Some(FaultInFile { file: path.clone(), line: line(error), message: error.to_string() })

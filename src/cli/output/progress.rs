@@ -47,11 +47,11 @@ impl Deref for Progress {
     }
 }
 
-/// Tells of `bar` after every `interval`, until what it returns is dropped.
+/// Tells of `bar` after every `interval`, until it is finished or what this returns is dropped.
 fn lines(bar: ProgressBar, interval: Duration, tell: impl Fn(String) + Send + 'static) -> Sender<()> {
     let (sender, receiver) = channel();
     std::thread::spawn(move || {
-        while receiver.recv_timeout(interval) == Err(RecvTimeoutError::Timeout) {
+        while receiver.recv_timeout(interval) == Err(RecvTimeoutError::Timeout) && !bar.is_finished() {
             tell(line(&bar));
         }
     });

@@ -28,6 +28,9 @@ const SWEPT: usize = 100_000;
 const CANDIDATES: usize = 1200;
 const CHOSEN: usize = 40;
 
+/// Fewest poses from whose information that of others is told: hardly fewer determine all intrinsics.
+const TELLING: usize = 8;
+
 /// Configurations that the pilot of refinement tries.
 const REFINED: usize = 400;
 
@@ -340,7 +343,7 @@ impl<'a> Chosen<'a> {
         let mut count = CHOSEN as f64;
         for _ in 0..5 {
             // So many of the pilot's are as dense among them as `count` among all; of few the best are a little better.
-            let dense = (count * m / views).max(CHOSEN as f64).min(m).floor();
+            let dense = (count * m / views).max(TELLING as f64).min(m).floor();
             let choice = chooser.choose(Method::Greedy, dense as usize, 0).ok()?;
             let needed = dense / choice.log_value.exp();
             if (needed / count - 1.0).abs() < 0.02 {

@@ -8,8 +8,6 @@ mod locate;
 mod next;
 mod polish;
 mod reach;
-mod rehearsal;
-mod retaken;
 mod verify;
 
 pub use certify::{BrokenConstraint, CertifyError, Confirmed, Unchecked, certify};
@@ -17,8 +15,7 @@ pub use compare::{Comparison, Equivalent, Row, compare, equivalent_kmeans};
 pub use explain::{ExplainSettings, explain};
 pub use forecast::{Forecast, forecast, forecast_bytes};
 pub use locate::LocateError;
-pub use next::{Proposal, Wish, next};
+pub use next::{Proposal, Rehearsal, Wish, next};
 pub use polish::{PolishSettings, Polished, polish};
 pub use reach::reach_starts;
-pub use rehearsal::Rehearsal;
 pub use verify::{VerifyError, verify};

@@ -6,6 +6,7 @@ mod kind;
 mod plan;
 mod problem;
 mod refusal;
+mod views;
 
 pub use answers::{
     CalibratedView, CalibrationDocument, Certified, CombinationTerm, ComparisonDocument, ComparisonEquivalent,
@@ -20,7 +21,7 @@ pub(crate) use plan::poses_csv;
 pub use plan::{
     AccuracyDocument, CertificateDocument, CertificateTerm, CollisionDocument, FewestDocument, GridPlan, Intrinsics,
     PROVEN, Plan, PlanReadError, PlannedPose, PolishedPlan, Pose, Price, Run, RunProblem, RunSeconds, SearchDocument,
-    SurveyCounts, joints_deg, views_csv, views_parquet,
+    SurveyCounts, joints_deg,
 };
 pub use problem::{
     CameraSights, CheckDocument, ClosePair, DiagnosisDocument, InitDocument, LensDocument, NoteDocument,
@@ -28,3 +29,6 @@ pub use problem::{
     SweepCounts, SweepDocument, TestedPair,
 };
 pub use refusal::{ErrorDocument, FaultDocument, FaultInFile};
+pub use views::views_csv;
+#[cfg(feature = "parquet")]
+pub use views::views_parquet;

@@ -7,10 +7,8 @@ mod suggestion;
 pub use allowed::Allowed;
 pub use reason::Reason;
 
-use std::fmt;
 use std::ops::Range;
 
-use miette::{Diagnostic, LabeledSpan, SourceCode};
 use thiserror::Error;
 
 /// One thing wrong with a problem file, and where.
@@ -35,19 +33,14 @@ pub struct Fault {
     pub meaning: Option<String>,
 }
 
-impl Diagnostic for Fault {
-    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        let hint = self.reason.hint(&self.key, self.meaning.as_deref());
-        hint.map(|hint| Box::new(hint) as Box<dyn fmt::Display>)
+impl Fault {
+    /// What to do.
+    pub fn hint(&self) -> Option<String> {
+        self.reason.hint(&self.key, self.meaning.as_deref())
     }
 
-    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let label = self.reason.label(&self.key, self.written);
-        Some(Box::new(std::iter::once(LabeledSpan::new_with_span(Some(label), self.span.clone()))))
-    }
-
-    fn source_code(&self) -> Option<&dyn SourceCode> {
-        // The file's own text is the error's that holds the fault.
-        self.given.as_ref().map(|line| line as &dyn SourceCode)
+    /// What is allowed, to stand under the value.
+    pub fn label(&self) -> String {
+        self.reason.label(&self.key, self.written)
     }
 }

@@ -6,16 +6,14 @@ mod pose;
 mod proof;
 mod run;
 mod survey_counts;
-mod views_table;
 
 pub use collision::CollisionDocument;
 pub use polished::{GridPlan, PROVEN, PolishedPlan};
-pub(crate) use pose::poses_csv;
 pub use pose::{PlannedPose, Pose, joints_deg};
+pub(crate) use pose::{joint_columns, poses_csv};
 pub use proof::{AccuracyDocument, CertificateDocument, CertificateTerm, FewestDocument, Price, SearchDocument};
 pub use run::{Run, RunProblem, RunSeconds};
 pub use survey_counts::SurveyCounts;
-pub use views_table::{views_csv, views_parquet};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -2,16 +2,20 @@
 
 use rayon::prelude::*;
 
-use super::rehearsal::{Rehearsal, rehearse};
-use super::retaken::Taken;
+mod rehearsal;
+mod retaken;
+
+pub use rehearsal::Rehearsal;
+
 use crate::calibration::{Calibration, Observations};
 use crate::feasibility::View;
-use crate::plan::choose::candidates;
-use crate::plan::choose::{Chooser, PlanError};
+use crate::plan::choose::{Chooser, PlanError, candidates};
 use crate::plan::document::{
     Document, EstimatedIntrinsics, NextDocument, Plan, PlannedPose, SimulatedMapError, finite, poses_csv,
 };
 use crate::problem::{Method, PoseConstraints, Problem};
+use rehearsal::rehearse;
+use retaken::Taken;
 
 /// How many poses to propose.
 #[derive(Debug, Clone, Copy, PartialEq)]
