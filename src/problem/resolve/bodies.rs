@@ -2,11 +2,11 @@
 
 use nalgebra::{Point2, Point3, Vector3};
 
-use super::{Check, LENGTH, NOT_NEGATIVE, SIZE};
+use super::check::{Check, LENGTH, NOT_NEGATIVE, SIZE};
 use crate::feasibility::Stability;
 use crate::problem::fault::{Allowed, Reason};
-use crate::problem::schema::{self, Numbers};
-use crate::problem::text::KeyPath;
+use crate::problem::schema;
+use crate::problem::text::{At, Optional, key};
 use crate::robot::{Body, PointMass, Shape, Tree};
 use crate::spatial::Pose;
 use crate::target::Target;
@@ -21,14 +21,10 @@ pub(super) type Links<'n> = Vec<(&'n str, usize)>;
 
 impl Check<'_, '_> {
     /// Attaches `robot.bodies` to the tree.
-    pub(super) fn bodies(&mut self, bodies: &[schema::Body], links: &Links, tree: &mut Tree) {
-        for (i, body) in bodies.iter().enumerate() {
-            let at = KeyPath::section("robot").key("bodies").at(i);
-            if body.link.is_none() {
-                self.fault(&at.key("link"), Reason::Missing { allowed: names(links) });
-            }
-            let link = body.link.as_ref().and_then(|name| self.link(&at.key("link"), name, links));
-            let resolved = self.body(&at, body);
+    pub(super) fn bodies(&mut self, bodies: &At<Vec<schema::Body>>, links: &Links, tree: &mut Tree) {
+        for body in bodies.elements() {
+            let link = self.required(key!(body, link), &names(links)).and_then(|link| self.link(&link, links));
+            let resolved = self.body(&body);
             if let (Some(link), Some(body)) = (link, resolved) {
                 tree.links[link].bodies.push(body);
             }
@@ -36,15 +32,11 @@ impl Check<'_, '_> {
     }
 
     /// Attaches `robot.masses` to the tree; those of one link add up.
-    pub(super) fn masses(&mut self, masses: &[schema::Mass], links: &Links, tree: &mut Tree) {
-        for (i, mass) in masses.iter().enumerate() {
-            let at = KeyPath::section("robot").key("masses").at(i);
-            let link = self.link(&at.key("link"), &mass.link, links);
-            let kilograms = self.number(&at.key("mass_kg"), mass.mass_kg, MASS);
-            let Numbers(mut center) = mass.center_mm;
-            for (j, p) in center.iter_mut().enumerate() {
-                *p = self.length(&at.key("center_mm").at(j), *p, LENGTH);
-            }
+    pub(super) fn masses(&mut self, masses: &At<Vec<schema::Mass>>, links: &Links, tree: &mut Tree) {
+        for mass in masses.elements() {
+            let link = self.link(&key!(mass, link), links);
+            let kilograms = self.number(&key!(mass, mass_kg), MASS);
+            let center = key!(mass, center_mm).numbers().map(|p| self.length(&p, LENGTH));
             let Some(link) = link else { continue };
             let slot = &mut tree.links[link].mass;
             let (before, moment) = slot.map_or((0.0, Vector3::zeros()), |m| (m.mass, m.center.coords * m.mass));
@@ -55,16 +47,10 @@ impl Check<'_, '_> {
     }
 
     /// Attaches the camera's housing to link `flange`, with the camera at `X_FC` on it.
-    pub(super) fn housing(&mut self, housing: &schema::Body, X_FC: Pose, flange: usize, tree: &mut Tree) {
-        let at = KeyPath::section("camera").key("housing");
-        if housing.link.is_some() {
-            let reason = Reason::NotApplicable {
-                to: "the camera's housing".into(),
-                instead: "leave it out; the housing is on the flange".into(),
-            };
-            self.fault(&at.key("link"), reason);
-        }
-        if let Some(body) = self.body(&at, housing) {
+    pub(super) fn housing(&mut self, housing: &At<schema::Body>, X_FC: Pose, flange: usize, tree: &mut Tree) {
+        let instead = "leave it out; the housing is on the flange";
+        self.refused(&[&key!(housing, link)], "the camera's housing", instead);
+        if let Some(body) = self.body(housing) {
             tree.attach("camera", flange, X_FC, body);
         }
     }
@@ -81,20 +67,21 @@ impl Check<'_, '_> {
     }
 
     /// The clearance in m; the pairs to ignore join those disabled in the tree.
-    pub(super) fn collision(&mut self, collision: &schema::Collision, tree: Option<&mut Tree>) -> f64 {
-        let at = KeyPath::section("collision");
-        let clearance = self.length(&at.key("clearance_mm"), collision.clearance_mm, NOT_NEGATIVE);
+    pub(super) fn collision(&mut self, collision: &At<schema::Collision>, tree: Option<&mut Tree>) -> f64 {
+        let clearance = self.length(&key!(collision, clearance_mm), NOT_NEGATIVE);
         let Some(tree) = tree else { return clearance };
         let bodied = tree.links.iter().enumerate().filter(|(_, link)| !link.bodies.is_empty());
         let links: Vec<(String, usize)> = bodied.map(|(i, link)| (link.name.clone(), i)).collect();
         let links: Links = links.iter().map(|(name, i)| (name.as_str(), *i)).collect();
-        for (i, pair) in collision.ignore.iter().enumerate() {
-            let at = at.key("ignore").at(i);
-            let [a, b] = &pair[..] else {
-                self.fault(&at, Reason::Length { found: pair.len(), expected: 2, per: "link of the pair" });
+        for pair in key!(collision, ignore).elements() {
+            let [a, b] = &pair.elements().collect::<Vec<_>>()[..] else {
+                self.fault(
+                    &pair.path,
+                    Reason::Length { found: pair.value.len(), expected: 2, per: "link of the pair" },
+                );
                 continue;
             };
-            let (a, b) = (self.link(&at.at(0), a, &links), self.link(&at.at(1), b, &links));
+            let (a, b) = (self.link(a, &links), self.link(b, &links));
             if let (Some(a), Some(b)) = (a, b) {
                 tree.disabled.push([a, b]);
             }
@@ -102,27 +89,18 @@ impl Check<'_, '_> {
         clearance
     }
 
-    /// The test for stability, or none if none is asked for or something is wrong with it.
-    pub(super) fn stability(
-        &mut self,
-        stability: Option<&schema::Stability>,
-        tree: Option<&Tree>,
-    ) -> Option<Stability> {
-        let stability = stability?;
-        let at = KeyPath::section("stability");
+    /// The test for stability, or none if something is wrong with it.
+    pub(super) fn stability(&mut self, stability: &At<schema::Stability>, tree: Option<&Tree>) -> Option<Stability> {
         let faults = self.faults.len();
-        let support_at = at.key("support_mm");
-        let mut points = Vec::new();
-        for (i, &Numbers([x, y])) in stability.support_mm.iter().enumerate() {
-            let at = support_at.at(i);
-            points.push(Point2::new(self.length(&at.at(0), x, LENGTH), self.length(&at.at(1), y, LENGTH)));
-        }
-        let ground = self.length(&at.key("ground_mm"), stability.ground_mm, LENGTH);
-        let margin = self.length(&at.key("margin_mm"), stability.margin_mm, NOT_NEGATIVE);
-        let roll = self.angle(&at.key("roll_deg"), stability.roll_deg, SLOPE);
-        let pitch = self.angle(&at.key("pitch_deg"), stability.pitch_deg, SLOPE);
+        let support = key!(stability, support_mm);
+        let point = |point: At<schema::Numbers<2>>| Point2::from(point.numbers().map(|x| self.length(&x, LENGTH)));
+        let points: Vec<_> = support.elements().map(point).collect();
+        let ground = self.length(&key!(stability, ground_mm), LENGTH);
+        let margin = self.length(&key!(stability, margin_mm), NOT_NEGATIVE);
+        let roll = self.angle(&key!(stability, roll_deg), SLOPE);
+        let pitch = self.angle(&key!(stability, pitch_deg), SLOPE);
         if tree.is_some_and(|tree| tree.links.iter().all(|link| link.mass.is_none())) {
-            self.fault(&at, Reason::NoMasses);
+            self.fault(&stability.path, Reason::NoMasses);
         }
         if self.faults.len() > faults {
             return None;
@@ -130,57 +108,51 @@ impl Check<'_, '_> {
         match Stability::new(&points, ground, margin, roll, pitch) {
             Ok(stability) => Some(stability),
             Err(error) => {
-                self.fault(&support_at, Reason::Support { error });
+                self.fault(&support.path, Reason::Support { error });
                 None
             }
         }
     }
 
-    /// The number of the link called `name`.
-    fn link(&mut self, path: &KeyPath, name: &str, links: &Links) -> Option<usize> {
-        let mut found = links.iter().filter(|(known, _)| *known == name).map(|&(_, number)| number);
+    /// The number of the link of that name.
+    fn link(&mut self, name: &At<String>, links: &Links) -> Option<usize> {
+        let mut found = links.iter().filter(|(known, _)| known == name.value).map(|&(_, number)| number);
         match (found.next(), found.next()) {
             (Some(number), None) => return Some(number),
-            (Some(_), Some(_)) => self.fault(path, Reason::Ambiguous { name: name.into() }),
-            (None, _) => self.fault(path, Reason::UnknownName { name: name.into(), allowed: names(links) }),
+            (Some(_), Some(_)) => self.fault(&name.path, Reason::Ambiguous { name: name.value.clone() }),
+            (None, _) => self.unknown(&name.path, name.value, &names(links)),
         }
         None
     }
 
-    pub(super) fn body(&mut self, at: &KeyPath, body: &schema::Body) -> Option<Body> {
+    pub(super) fn body(&mut self, body: &At<schema::Body>) -> Option<Body> {
         let faults = self.faults.len();
-        let X_LG = self.pose(&at.key("pose"), &body.pose);
-        let given = [
-            ("box_mm", body.box_mm.is_some()),
-            ("sphere_mm", body.sphere_mm.is_some()),
-            ("cylinder_mm", body.cylinder_mm.is_some()),
-            ("capsule_mm", body.capsule_mm.is_some()),
-        ];
-        let mut shapes = given.into_iter().filter(|(_, given)| *given).map(|(key, _)| key);
-        let Some(first) = shapes.next() else {
-            self.fault(at, Reason::NoShape { allowed: given.map(|(key, _)| key.to_owned()).to_vec() });
+        let X_LG = self.pose(&key!(body, pose));
+        let (cuboid, sphere) = (key!(body, box_mm), key!(body, sphere_mm));
+        let (cylinder, capsule) = (key!(body, cylinder_mm), key!(body, capsule_mm));
+        let keys: [&dyn Optional; 4] = [&cuboid, &sphere, &cylinder, &capsule];
+        let Some(first) = keys.iter().position(|key| key.is_given()) else {
+            let allowed = keys.map(|key| key.path().name().to_owned()).to_vec();
+            self.fault(&body.path, Reason::NoShape { allowed });
             return None;
         };
-        for other in shapes {
-            self.fault(&at.key(other), Reason::Conflict { with: first.into() });
-        }
-        let at = at.key(first);
-        let mut size = |path: &KeyPath, millimetres: f64| self.length(path, millimetres, SIZE);
-        let shape = if let Some(Numbers([x, y, z])) = body.box_mm {
-            let sides = Vector3::new(size(&at.at(0), x), size(&at.at(1), y), size(&at.at(2), z));
-            Shape::Box { half_extents: sides / 2.0 }
-        } else if let Some(radius) = body.sphere_mm {
-            Shape::Sphere { radius: size(&at, radius) }
-        } else if let Some(Numbers([radius, length])) = body.cylinder_mm {
-            Shape::Cylinder { radius: size(&at.at(0), radius), length: size(&at.at(1), length) }
+        self.excluded(&keys[first + 1..], keys[first].path().name());
+        let mut size = |length: At<f64>| self.length(&length, SIZE);
+        let shape = if let Some(sides) = cuboid.given() {
+            Shape::Box { half_extents: Vector3::from(sides.numbers().map(size)) / 2.0 }
+        } else if let Some(radius) = sphere.given() {
+            Shape::Sphere { radius: size(radius) }
+        } else if let Some(cylinder) = cylinder.given() {
+            let [radius, length] = cylinder.numbers().map(size);
+            Shape::Cylinder { radius, length }
         } else {
-            let Numbers([radius, length]) = body.capsule_mm?;
-            Shape::Capsule { radius: size(&at.at(0), radius), length: size(&at.at(1), length) }
+            let [radius, length] = capsule.given()?.numbers().map(size);
+            Shape::Capsule { radius, length }
         };
         (self.faults.len() == faults).then_some(Body { X_LG, shape })
     }
 }
 
-fn names(links: &Links) -> Vec<String> {
-    links.iter().map(|&(name, _)| name.to_owned()).collect()
+fn names<'n>(links: &Links<'n>) -> Vec<&'n str> {
+    links.iter().map(|&(name, _)| name).collect()
 }

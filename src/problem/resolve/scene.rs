@@ -1,9 +1,9 @@
 //! What stands around the robot.
 
-use super::Check;
+use super::check::Check;
 use crate::problem::fault::Reason;
 use crate::problem::schema;
-use crate::problem::text::KeyPath;
+use crate::problem::text::{At, key};
 use crate::robot::Robot;
 use crate::spatial::Pose;
 
@@ -12,18 +12,18 @@ const RESERVED: [&str; 2] = ["camera", "board"];
 
 impl Check<'_, '_> {
     /// Puts the obstacles of `scene` around `robot`: links of its tree, fixed to the root, in the root's frame.
-    pub(super) fn scene(&mut self, scene: &schema::Scene, mut robot: Option<&mut Robot>) {
+    pub(super) fn scene(&mut self, scene: &At<schema::Scene>, mut robot: Option<&mut Robot>) {
         let own = robot.as_ref().map_or(0, |robot| robot.tree.links.len());
-        for (i, obstacle) in scene.bodies.iter().enumerate() {
-            let at = KeyPath::section("scene").key("bodies").at(i);
-            let name = obstacle.name.trim();
+        for obstacle in key!(scene, bodies).elements() {
+            let at = key!(obstacle, name);
+            let name = at.value.trim();
             let links = robot.as_ref().map(|robot| &robot.tree.links[..own]).unwrap_or_default();
             if name.is_empty() {
-                self.fault(&at.key("name"), Reason::Empty);
+                self.fault(&at.path, Reason::Empty);
             } else if RESERVED.contains(&name) || links.iter().any(|link| link.name == name) {
-                self.fault(&at.key("name"), Reason::Taken { name: name.into() });
+                self.fault(&at.path, Reason::Taken { name: name.into() });
             }
-            let body = self.body(&at, &obstacle.body());
+            let body = self.body(&obstacle.with(&obstacle.value.body()));
             let (Some(robot), Some(body)) = (robot.as_deref_mut(), body) else { continue };
             match robot.tree.links[own..].iter_mut().find(|link| link.name == name) {
                 Some(link) => link.bodies.push(body),

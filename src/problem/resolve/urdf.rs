@@ -2,46 +2,36 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{ANGLE, Check, LENGTH, file_unit};
+use super::check::{ANGLE, Check, LENGTH, file_unit};
 use crate::feasibility::{Simplified, simplify_hulls};
 use crate::formats::{Description, StatedRange, UrdfError, read_srdf_file, read_urdf_file};
 use crate::problem::fault::{Allowed, Reason};
 use crate::problem::schema;
-use crate::problem::schema::Numbers;
-use crate::problem::text::KeyPath;
+use crate::problem::text::{At, KeyPath, key};
 use crate::robot::{Assembly, Joint, JointKind, Limits, Mechanism, Robot};
 
 impl Check<'_, '_> {
     /// The robot of the URDF file `urdf`, or none if something is wrong with it; `folder` is the problem file's.
-    pub(crate) fn described_robot(&mut self, file: &schema::File, urdf: &str, folder: &Path) -> Option<Robot> {
-        let robot = &file.robot;
+    pub(super) fn described_robot(
+        &mut self,
+        file: &At<schema::File>,
+        urdf: &At<String>,
+        folder: &Path,
+    ) -> Option<Robot> {
         let faults = self.faults.len();
-        let at = KeyPath::section("robot");
-        for (key, given) in [
-            ("convention", robot.convention.is_some()),
-            ("limits", robot.limits.is_some()),
-            ("flange", robot.flange.is_some()),
-            ("joints", !robot.joints.is_empty()),
-        ] {
-            if given {
-                self.fault(&at.key(key), Reason::Conflict { with: "robot.urdf".into() });
-            }
-        }
-        let X_FC = self.mount(&file.camera.mount);
-        let Description { mut mechanism, ranges, stuck, .. } = self.description(&at, robot, folder, urdf)?;
-        let given = self.described_limits(&at, robot, &mut mechanism, &ranges);
-        let held = self.held(&at, robot, &mechanism, &ranges, &given);
-        let base_link = self.described_link(&at.key("base_link"), robot.base_link.as_deref(), &mechanism);
-        let board_at = KeyPath::section("target").key("link");
-        let board_link = self.described_link(&board_at, file.target.link.as_deref(), &mechanism);
-        let camera_at = at.key("camera_link");
-        let camera_link = match &robot.camera_link {
-            None => {
-                self.fault(&camera_at, Reason::Missing { allowed: link_names(&mechanism) });
-                None
-            }
-            name => self.described_link(&camera_at, name.as_deref(), &mechanism),
-        };
+        let robot = &key!(file, robot);
+        self.excluded(
+            &[&key!(robot, convention), &key!(robot, limits), &key!(robot, flange), &key!(robot, joints)],
+            &urdf.path.to_string(),
+        );
+        let X_FC = self.mount(&key!(file, camera.mount));
+        let Description { mut mechanism, ranges, stuck, .. } = self.description(robot, urdf, folder)?;
+        let given = self.described_limits(robot, &mut mechanism, &ranges);
+        let held = self.held(robot, &mechanism, &ranges, &given);
+        let base_link = self.described_link(key!(robot, base_link).given(), &mechanism);
+        let board_link = self.described_link(key!(file, target.link).given(), &mechanism);
+        let camera_link = self.required(key!(robot, camera_link), &link_names(&mechanism));
+        let camera_link = self.described_link(camera_link, &mechanism);
         if self.faults.len() > faults {
             return None;
         }
@@ -49,7 +39,7 @@ impl Check<'_, '_> {
         let assembly =
             Assembly { base_link, board_link: board_link.unwrap_or(base_link), camera_link: camera_link?, X_FC, held };
         let way = mechanism.between(assembly.board_link, assembly.camera_link);
-        self.stuck(&at, &folder.join(urdf), stuck, &way);
+        self.stuck(urdf, &folder.join(urdf.value), stuck, &way);
         if self.faults.len() > faults {
             return None;
         }
@@ -57,10 +47,10 @@ impl Check<'_, '_> {
         if arm.chain.joints.is_empty() {
             let name = |link: usize| mechanism.tree.links[link].name.clone();
             let (camera_link, board_link) = (name(assembly.camera_link), name(assembly.board_link));
-            self.fault(&camera_at, Reason::NothingMoves { camera_link, board_link });
+            self.fault(&key!(robot, camera_link).path, Reason::NothingMoves { camera_link, board_link });
             return None;
         }
-        self.limits_of_arm(&at, &arm.chain.joints, &mechanism, &ranges, &given);
+        self.limits_of_arm(robot, &urdf.path, &arm.chain.joints, &mechanism, &ranges, &given);
         if self.faults.len() > faults {
             return None;
         }
@@ -72,22 +62,25 @@ impl Check<'_, '_> {
     }
 
     /// The description of the robot, with the pairs of links that its SRDF names.
-    fn description(&mut self, at: &KeyPath, robot: &schema::Robot, folder: &Path, urdf: &str) -> Option<Description> {
-        let packages: Vec<PathBuf> = robot.package_folders.iter().map(|package| folder.join(package)).collect();
-        for (i, _) in packages.iter().enumerate().filter(|(_, package)| !package.is_dir()) {
-            let name = robot.package_folders[i].clone();
-            self.fault(&at.key("package_folders").at(i), Reason::NoFolder { name });
+    fn description(&mut self, robot: &At<schema::Robot>, urdf: &At<String>, folder: &Path) -> Option<Description> {
+        let mut packages: Vec<PathBuf> = Vec::new();
+        for package in key!(robot, package_folders).elements() {
+            let path = folder.join(package.value);
+            if !path.is_dir() {
+                self.fault(&package.path, Reason::NoFolder { name: package.value.clone() });
+            }
+            packages.push(path);
         }
-        let path = folder.join(urdf);
+        let path = folder.join(urdf.value);
         let mut description = match read_urdf_file(&path, &packages) {
             Ok(description) => description,
             Err(error) => {
-                self.fault(&at.key("urdf"), Reason::RobotFile { path, error });
+                self.fault(&urdf.path, Reason::RobotFile { path, error });
                 return None;
             }
         };
         for note in &description.notes {
-            self.note(&at.key("urdf"), note.to_string());
+            self.note(&urdf.path, note.to_string());
         }
         let Simplified { hulls, before, after, margin } = simplify_hulls(&mut description.mechanism.tree);
         if hulls > 0 {
@@ -96,29 +89,29 @@ impl Check<'_, '_> {
                 "the convex hulls of {hulls} meshes have {after} corners in place of {before} points; they hold all of them and \
                  reach at most {margin} mm beyond"
             );
-            self.note(&at.key("urdf"), text);
+            self.note(&urdf.path, text);
         }
-        if let Some(srdf) = &robot.srdf {
-            let path = folder.join(srdf);
+        if let Some(srdf) = key!(robot, srdf).given() {
+            let path = folder.join(srdf.value);
             match read_srdf_file(&path, &description.mechanism.tree) {
                 Ok((pairs, notes)) => {
                     description.mechanism.tree.disabled = pairs;
                     for note in notes {
-                        self.note(&at.key("srdf"), note.to_string());
+                        self.note(&srdf.path, note.to_string());
                     }
                 }
-                Err(error) => self.fault(&at.key("srdf"), Reason::RobotFile { path, error }),
+                Err(error) => self.fault(&srdf.path, Reason::RobotFile { path, error }),
             }
         }
         Some(description)
     }
 
     /// The link of that name, if one is given.
-    fn described_link(&mut self, path: &KeyPath, name: Option<&str>, mechanism: &Mechanism) -> Option<usize> {
+    fn described_link(&mut self, name: Option<At<String>>, mechanism: &Mechanism) -> Option<usize> {
         let name = name?;
-        let link = mechanism.link(name);
+        let link = mechanism.link(name.value);
         if link.is_none() {
-            self.fault(path, Reason::UnknownName { name: name.into(), allowed: link_names(mechanism) });
+            self.unknown(&name.path, name.value, &link_names(mechanism));
         }
         link
     }
@@ -126,21 +119,20 @@ impl Check<'_, '_> {
     /// Puts the file's ranges in place of the description's, and returns for which joints it has one.
     fn described_limits(
         &mut self,
-        at: &KeyPath,
-        robot: &schema::Robot,
+        robot: &At<schema::Robot>,
         mechanism: &mut Mechanism,
         ranges: &[StatedRange],
     ) -> Vec<bool> {
         let mut given = vec![false; ranges.len()];
+        let exceed = key!(robot, exceed_urdf_limits);
         let mut exceeding = Vec::new();
-        for (key, limits, kind, allowed) in [
-            ("limits_deg", &robot.limits_deg, JointKind::Revolute, ANGLE),
-            ("limits_mm", &robot.limits_mm, JointKind::Prismatic, LENGTH),
+        for (limits, kind, allowed) in [
+            (key!(robot, limits_deg), JointKind::Revolute, ANGLE),
+            (key!(robot, limits_mm), JointKind::Prismatic, LENGTH),
         ] {
-            for (name, &range) in limits {
-                let at = at.key(key).key(name);
-                let Numbers([min, max]) = self.range(&at, range, allowed);
-                let Some(joint) = self.described_joint(&at, name, kind, mechanism) else { continue };
+            for (name, range) in limits.entries() {
+                let [min, max] = self.range(&range, allowed);
+                let Some(joint) = self.described_joint(&range.path, name, kind, mechanism) else { continue };
                 given[joint] = true;
                 let mut limits = Limits { min: kind.from_display(min), max: kind.from_display(max) };
                 let bounds = ranges[joint].bounds();
@@ -150,44 +142,40 @@ impl Check<'_, '_> {
                     limits = Limits { min: limits.min.max(bounds.min), max: limits.max.min(bounds.max) };
                 } else {
                     let bounds = [bounds.min, bounds.max].map(|bound| file_unit(kind, bound));
-                    if robot.exceed_urdf_limits.contains(name) {
+                    if exceed.value.contains(name) {
                         let [low, high] = bounds;
-                        self.note(
-                            &at,
-                            format!("goes beyond the URDF's range from {low} to {high}, as is said to be meant"),
-                        );
+                        let text = format!("goes beyond the URDF's range from {low} to {high}, as is said to be meant");
+                        self.note(&range.path, text);
                     } else {
-                        let soft = ranges[joint].is_softened();
-                        self.fault(&at, Reason::BeyondUrdf { joint: name.clone(), range: [min, max], bounds, soft });
+                        let (joint, soft) = (name.clone(), ranges[joint].is_softened());
+                        self.fault(&range.path, Reason::BeyondUrdf { joint, range: [min, max], bounds, soft });
                     }
                     exceeding.push(name);
                 }
                 mechanism.joints[joint].limits = limits;
             }
         }
-        let at = at.key("exceed_urdf_limits");
-        for (i, name) in robot.exceed_urdf_limits.iter().enumerate() {
+        for At { value: name, path } in exceed.elements() {
             if mechanism.joint(name).is_none() {
-                let allowed = mechanism.joints.iter().map(|joint| joint.name.clone()).collect();
-                self.fault(&at.at(i), Reason::UnknownName { name: name.clone(), allowed });
-            } else {
-                let to = "a joint whose range does not go beyond the URDF's";
-                self.refused(&at.at(i), !exceeding.contains(&name), to, "leave it out");
+                let names: Vec<&str> = mechanism.joints.iter().map(|joint| joint.name.as_str()).collect();
+                self.unknown(&path, name, &names);
+            } else if !exceeding.contains(&name) {
+                self.not_applicable(&path, "a joint whose range does not go beyond the URDF's", "leave it out");
             }
         }
         given
     }
 
     /// Refuses links that do not move as they should where they are on the `way` from the board to the camera.
-    fn stuck(&mut self, at: &KeyPath, path: &Path, stuck: Vec<(usize, UrdfError)>, way: &[usize]) {
+    fn stuck(&mut self, urdf: &At<String>, path: &Path, stuck: Vec<(usize, UrdfError)>, way: &[usize]) {
         let mut told = Vec::new();
         for (link, error) in stuck {
             if !way.contains(&link) {
-                self.note(&at.key("urdf"), format!("{error}. It is off the arm and stands as at 0"));
+                self.note(&urdf.path, format!("{error}. It is off the arm and stands as at 0"));
             } else if !told.contains(&error) {
                 // A joint that mimics a stuck one is stuck for the same reason.
                 let reason = Reason::RobotFile { path: path.to_owned(), error: error.clone().into() };
-                self.fault(&at.key("urdf"), reason);
+                self.fault(&urdf.path, reason);
                 told.push(error);
             }
         }
@@ -196,23 +184,26 @@ impl Check<'_, '_> {
     /// Refuses to sweep joints whose limits nobody states, and notes those that move less than their limits say.
     fn limits_of_arm(
         &mut self,
-        at: &KeyPath,
+        robot: &At<schema::Robot>,
+        urdf: &KeyPath,
         joints: &[Joint],
         mechanism: &Mechanism,
         ranges: &[StatedRange],
         given: &[bool],
     ) {
         let stated = |joint: &&Joint| mechanism.joint(&joint.name).filter(|&i| !given[i]).map(|i| ranges[i]);
-        for (key, kind) in [("limits_deg", JointKind::Revolute), ("limits_mm", JointKind::Prismatic)] {
+        for (limits, kind) in
+            [(key!(robot, limits_deg), JointKind::Revolute), (key!(robot, limits_mm), JointKind::Prismatic)]
+        {
             let blank = |joint: &&Joint| joint.kind == kind && stated(joint).is_some_and(|range| range.is_blank());
             let blank: Vec<String> = joints.iter().filter(blank).map(|joint| joint.name.clone()).collect();
             if !blank.is_empty() {
-                self.fault(&at.key(key), Reason::NoLimits { kind, joints: blank });
+                self.fault(&limits.path, Reason::NoLimits { kind, joints: blank });
             }
         }
         for joint in joints {
             if let Some(range) = stated(&joint).filter(StatedRange::is_softened) {
-                self.note(&at.key("urdf"), softened(joint, &range));
+                self.note(urdf, softened(joint, &range));
             }
         }
     }
@@ -220,24 +211,21 @@ impl Check<'_, '_> {
     /// For each joint the value at which the file holds it.
     fn held(
         &mut self,
-        at: &KeyPath,
-        robot: &schema::Robot,
+        robot: &At<schema::Robot>,
         mechanism: &Mechanism,
         ranges: &[StatedRange],
         given: &[bool],
     ) -> Vec<Option<f64>> {
         let mut held = vec![None; mechanism.joints.len()];
-        for (key, values, kind, any) in [
-            ("joint_values_deg", &robot.joint_values_deg, JointKind::Revolute, ANGLE),
-            ("joint_values_mm", &robot.joint_values_mm, JointKind::Prismatic, LENGTH),
+        for (values, kind, any) in [
+            (key!(robot, joint_values_deg), JointKind::Revolute, ANGLE),
+            (key!(robot, joint_values_mm), JointKind::Prismatic, LENGTH),
         ] {
-            for (name, &value) in values {
-                let at = at.key(key).key(name);
-                if let Some(joint) = self.described_joint(&at, name, kind, mechanism) {
+            for (name, value) in values.entries() {
+                if let Some(joint) = self.described_joint(&value.path, name, kind, mechanism) {
                     let unlimited = ranges[joint].is_blank() && !given[joint];
                     let allowed = if unlimited { any } else { allowed_values(&mechanism.joints[joint]) };
-                    self.number(&at, value, allowed);
-                    held[joint] = Some(kind.from_display(value));
+                    held[joint] = Some(kind.from_display(self.number(&value, allowed)));
                 }
             }
         }
@@ -247,7 +235,9 @@ impl Check<'_, '_> {
     /// The joint of that name, which must be of that kind and mimic no other.
     fn described_joint(&mut self, path: &KeyPath, name: &str, kind: JointKind, mechanism: &Mechanism) -> Option<usize> {
         let follows = mechanism.followers.iter().any(|follower| follower == name);
-        self.refused(path, follows, "a joint that mimics another", "give it for the joint that it mimics");
+        if follows {
+            self.not_applicable(path, "a joint that mimics another", "give it for the joint that it mimics");
+        }
         let Some(joint) = mechanism.joint(name) else {
             if !follows {
                 let allowed = mechanism.joints.iter().map(|joint| joint.name.clone()).collect();
@@ -259,14 +249,16 @@ impl Check<'_, '_> {
             JointKind::Revolute => ("a revolute joint", "use the key that ends in `_deg`"),
             JointKind::Prismatic => ("a prismatic joint", "use the key that ends in `_mm`"),
         };
-        let other = mechanism.joints[joint].kind != kind;
-        self.refused(path, other, found, instead);
-        (!other).then_some(joint)
+        if mechanism.joints[joint].kind != kind {
+            self.not_applicable(path, found, instead);
+            return None;
+        }
+        Some(joint)
     }
 }
 
-fn link_names(mechanism: &Mechanism) -> Vec<String> {
-    mechanism.tree.links.iter().map(|link| link.name.clone()).collect()
+fn link_names(mechanism: &Mechanism) -> Vec<&str> {
+    mechanism.tree.links.iter().map(|link| link.name.as_str()).collect()
 }
 
 /// What the user should know of a joint that moves less than its limits say.

@@ -78,9 +78,10 @@ impl Default for TextOrTable<Named<MountName>, Pose> {
 impl Distortion {
     /// The coefficient of that name.
     pub(crate) fn coefficient(&mut self, name: &str) -> Option<&mut Option<f64>> {
-        let Self { model: _, k1, k2, p1, p2, k3, k4, k5, k6 } = self;
-        let named = [("k1", k1), ("k2", k2), ("p1", p1), ("p2", p2), ("k3", k3), ("k4", k4), ("k5", k5), ("k6", k6)];
-        named.into_iter().find(|(known, _)| *known == name).map(|(_, value)| value)
+        macro_rules! named {
+            ($($key:ident)+) => { [$((stringify!($key), &mut self.$key)),+] };
+        }
+        named![k1 k2 p1 p2 k3 k4 k5 k6].into_iter().find(|(known, _)| *known == name).map(|(_, value)| value)
     }
 }
 

@@ -15,11 +15,11 @@ mod view;
 
 pub(crate) use bodies::{Body, Collision, Mass, Scene, Stability};
 pub(crate) use camera::{Camera, Distortion};
-pub(crate) use file::{File, Output};
+pub(crate) use file::File;
 pub use json::schema_json;
 pub(crate) use json::{least, meaning};
 pub(crate) use robot::{Joint, Robot};
-pub(crate) use selection::{Constraints, Selection};
+pub(crate) use selection::{Constraints, Group, Region, Selection};
 pub(crate) use sweep::{Published, Sweep};
 pub(crate) use target::Target;
 pub(crate) use value::{MountName, Named, NumberOrList, Numbers, Pose, Range, RangeOrSets, TextOrTable};

@@ -1,5 +1,6 @@
 //! The text of a problem file, with what is given in place of its values: what it says, and where.
 
+mod at;
 mod document;
 mod merge;
 mod overrides;
@@ -7,6 +8,7 @@ mod path;
 mod source;
 mod syntax;
 
+pub(super) use at::{At, Optional, key};
 pub(super) use document::Document;
 pub use overrides::{OverrideError, Overrides};
 pub(super) use path::KeyPath;

@@ -31,11 +31,6 @@ impl KeyPath {
         Some(path)
     }
 
-    /// The path of a section.
-    pub(crate) fn section(name: &str) -> Self {
-        Self::default().key(name)
-    }
-
     /// The key `name` below this one.
     pub(crate) fn key(&self, name: &str) -> Self {
         self.then(Segment::Key(name.to_owned()))
