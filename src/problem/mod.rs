@@ -8,6 +8,7 @@ mod constraints;
 mod draft;
 mod fault;
 mod goal;
+mod key_path;
 mod method;
 mod note;
 mod resolve;

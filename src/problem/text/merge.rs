@@ -6,8 +6,9 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
-use super::document::{KeyPath, Segment, Unreadable};
 use super::overrides::Override;
+use super::unreadable::Unreadable;
+use crate::problem::key_path::{KeyPath, Segment};
 
 /// Keys of which one excludes the others: that which is given in place of the file's removes these.
 const INSTEAD: [(&str, &[&str]); 7] = [

@@ -4,7 +4,9 @@ mod document;
 mod merge;
 mod overrides;
 mod syntax;
+mod unreadable;
 
-pub(super) use document::{Document, KeyPath, Source};
+pub(super) use super::key_path::KeyPath;
+pub(super) use document::{Document, Source};
 pub use overrides::{OverrideError, Overrides};
 pub(super) use syntax::{fault, read};

@@ -1,7 +1,8 @@
 //! From the text of a problem file to its schema, and from serde's complaints to faults.
 
-use super::document::{Document, KeyPath, Place, Source, place};
+use super::document::{Document, Place, Source, place};
 use crate::problem::fault::{Fault, Reason};
+use crate::problem::key_path::KeyPath;
 use crate::problem::schema::{File, least, meaning};
 
 /// The document of `source`, and what it says.
