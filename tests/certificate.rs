@@ -9,8 +9,9 @@ use std::ops::ControlFlow;
 
 use calipose::selection::packed::pack;
 use calipose::selection::{
-    Best, Cap, Certificate, Constraints, Gradient, InformationFunction, Instance, RelaxationSettings, SearchEnd,
-    SelectionError, Separation, Term, best, exchange, fewest, greedy, improved_greedy, relax, search, start_of_search,
+    Best, Cap, Certificate, Constraints, Gradient, InformationFunction, Instance, NotEnough, RelaxationSettings,
+    SearchEnd, SelectionError, Separation, Term, best, exchange, fewest, greedy, improved_greedy, relax, search,
+    start_of_search,
 };
 use calipose::selection::{InformationError, InformationSet};
 use nalgebra::DMatrix;
@@ -21,14 +22,14 @@ use rand_xoshiro::Xoshiro256Plus;
 const SEEDS: u64 = 420;
 
 /// A random instance that is small enough to search.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Case {
     terms: Vec<OwnedTerm>,
     count: usize,
     constraints: Constraints,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct OwnedTerm {
     candidates: InformationSet,
     prior: Option<DMatrix<f64>>,
@@ -176,13 +177,22 @@ impl Case {
             && separations.iter().all(|s| selected.iter().all(|&i| selected.iter().all(|&j| i == j || apart(s, i, j))))
     }
 
-    /// The greatest log Φ of all allowed selections.
-    fn optimum(&self, instance: &Instance) -> f64 {
+    /// All allowed selections with their log Φ.
+    fn selections(&self, instance: &Instance) -> impl Iterator<Item = (f64, Vec<usize>)> {
         let n = instance.len();
         let subsets = (0u32..1 << n).filter(|subset| subset.count_ones() as usize == self.count);
-        let selections = subsets.map(|subset| (0..n).filter(|i| subset >> i & 1 == 1).collect::<Vec<_>>());
-        let allowed = selections.filter(|selected| self.allows(selected));
-        allowed.map(|selected| value(instance, &selected)).fold(f64::NEG_INFINITY, f64::max)
+        let selections = subsets.map(move |subset| (0..n).filter(|i| subset >> i & 1 == 1).collect::<Vec<_>>());
+        selections.filter(|selected| self.allows(selected)).map(|selected| (value(instance, &selected), selected))
+    }
+
+    /// The greatest log Φ of all allowed selections.
+    fn optimum(&self, instance: &Instance) -> f64 {
+        self.selections(instance).map(|(value, _)| value).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// The worst of the allowed selections that determine everything, with its log Φ.
+    fn worst(&self, instance: &Instance) -> Option<(f64, Vec<usize>)> {
+        self.selections(instance).filter(|(value, _)| value.is_finite()).min_by(|a, b| a.0.total_cmp(&b.0))
     }
 }
 
@@ -232,6 +242,47 @@ fn no_selection_beats_the_bound_and_the_methods_are_in_order() {
     }
 }
 
+/// Exchange ends where no swap gains, be the set that it starts from the worst.
+#[test]
+fn no_swap_improves_what_exchange_ends_with() {
+    for seed in 0..SEEDS {
+        let case = Case::random(seed);
+        let Some(instance) = case.instance() else { continue };
+        let Some((_, worst)) = case.worst(&instance) else { continue };
+        let ended = exchange(&instance, worst);
+        let reached = value(&instance, &ended);
+        for place in 0..ended.len() {
+            for j in (0..instance.len()).filter(|j| !ended.contains(j)) {
+                let mut swapped = ended.clone();
+                swapped[place] = j;
+                let gain = value(&instance, &swapped) - reached;
+                assert!(!case.allows(&swapped) || gain < 1e-9, "seed {seed}: {ended:?} {swapped:?} {gain:e}");
+            }
+        }
+    }
+}
+
+/// A relaxation that is given no time has a bound that holds, and does not say that it is solved.
+#[test]
+fn a_relaxation_that_is_not_solved_has_a_bound() {
+    let mut unsolved = 0;
+    for seed in 0..SEEDS {
+        let case = Case::random(seed);
+        let Some(instance) = case.instance() else { continue };
+        let Some((_, worst)) = case.worst(&instance) else { continue };
+        let optimum = case.optimum(&instance);
+        for max_rounds in 0..3 {
+            let settings = RelaxationSettings { max_rounds, ..RelaxationSettings::default() };
+            let relaxation = relax(&instance, &worst, &settings).unwrap();
+            let gap = relaxation.certificate.log_bound - relaxation.log_value;
+            assert!(relaxation.rounds <= max_rounds && relaxation.certificate.log_bound >= optimum, "seed {seed}");
+            assert!(!relaxation.solved || gap <= RelaxationSettings::KINK_TOLERANCE, "seed {seed}: {gap:e}");
+            unsolved += usize::from(!relaxation.solved);
+        }
+    }
+    assert!(unsolved > 100, "{unsolved}");
+}
+
 /// Branch and bound ends with the optimum and its proof.
 #[test]
 fn the_search_finds_what_exhaustion_finds() {
@@ -251,6 +302,38 @@ fn the_search_finds_what_exhaustion_finds() {
         assert!(found.log_bound >= optimum && found.log_bound <= found.log_value + 2e-9, "seed {seed}");
         // At any time the bound holds.
         assert!(bounds.iter().all(|&bound| bound >= optimum - 1e-9), "seed {seed}: {bounds:?} {optimum}");
+    }
+}
+
+/// From the worst set on, or the second best, it finds the best; what is below a level it proves to be so.
+#[test]
+fn a_search_prunes_nothing_that_it_should_find() {
+    for seed in 0..SEEDS {
+        let case = Case::random(seed);
+        let Some(instance) = case.instance() else { continue };
+        let Ok(good) = best(&instance, &RelaxationSettings::default(), seed) else { continue };
+        let Some(worst) = case.worst(&instance) else { continue };
+        let optimum = case.optimum(&instance);
+        let below = case.selections(&instance).filter(|(value, _)| *value < optimum - 1e-8);
+        let second = below.max_by(|a, b| a.0.total_cmp(&b.0));
+        let from = |(log_value, selected): (f64, Vec<usize>)| Best { selected, log_value, ..good.clone() };
+        let ended = |start: &Best, wanted: f64, limit: usize| {
+            search(&instance, start, wanted, limit, &mut |_| ControlFlow::Continue(()))
+        };
+        for start in [Some(worst.clone()), second].into_iter().flatten().map(from) {
+            let found = ended(&start, f64::NEG_INFINITY, 100_000);
+            assert_eq!(found.end, SearchEnd::Optimal, "seed {seed}: {found:?}");
+            assert!((found.log_value - optimum).abs() <= 2e-9, "seed {seed}: {} {optimum}", found.log_value);
+        }
+        let worst = from(worst);
+        let level = optimum + 0.1;
+        let refuted = ended(&worst, level, 100_000);
+        assert_eq!(refuted.end, SearchEnd::Optimal, "seed {seed}: {refuted:?}");
+        assert!((optimum..=level + 2e-9).contains(&refuted.log_bound), "seed {seed}: {refuted:?} {optimum}");
+        for limit in 1..4 {
+            let limited = ended(&worst, f64::NEG_INFINITY, limit);
+            assert!(limited.nodes <= limit && limited.log_bound >= optimum, "seed {seed}: {limited:?} {optimum}");
+        }
     }
 }
 
@@ -325,18 +408,20 @@ fn a_search_that_is_stopped_has_a_bound() {
 /// Greedy scores lazily and evaluates what bounds leave; its picks are those of trying every candidate in every step.
 #[test]
 fn greedy_picks_what_a_full_search_picks() {
+    // More than it tries outright.
+    let n = 500;
     for seed in 0..60 {
         let mut rng = Xoshiro256Plus::seed_from_u64(seed);
-        let mut term = OwnedTerm::random(&mut rng, seed % 3, 80, 12, 1.0);
+        let mut term = OwnedTerm::random(&mut rng, seed % 3, n, 12, 1.0);
         // From the first pick on the sets are regular, so that there is no ridge to imitate.
         let p = term.candidates.order();
-        let mean = DMatrix::from_fn(p, p, |i, j| (0..80).map(|c| term.candidates.matrix(c)[(i, j)]).sum::<f64>());
+        let mean = DMatrix::from_fn(p, p, |i, j| (0..n).map(|c| term.candidates.matrix(c)[(i, j)]).sum::<f64>());
         term.prior = Some(mean);
         let instance = Instance::new(&term.candidates, term.prior.as_ref(), &term.function, 12).unwrap();
         let mut picked: Vec<usize> = vec![];
         while picked.len() < 12 {
             let with = |i: usize| value(&instance, &[picked.as_slice(), &[i]].concat());
-            let others = (0..80).filter(|i| !picked.contains(i));
+            let others = (0..n).filter(|i| !picked.contains(i));
             picked.push(others.max_by(|&a, &b| with(a).total_cmp(&with(b)).then(b.cmp(&a))).unwrap());
         }
         let found = greedy(&instance).unwrap();
@@ -346,7 +431,8 @@ fn greedy_picks_what_a_full_search_picks() {
     }
 }
 
-/// The fewest candidates that reach a level, against exhaustion over every number.
+/// The fewest candidates that reach a level, against exhaustion over every number; with no search at all, what is proven is
+/// true all the same.
 #[test]
 fn no_fewer_reach_the_level() {
     for seed in 0..SEEDS {
@@ -358,23 +444,68 @@ fn no_fewer_reach_the_level() {
             reached.push(case.optimum(&case.instance().unwrap()));
         }
         let instance = case.instance().unwrap();
-        let level = reached[2] - 0.01;
-        if !level.is_finite() {
+        if !reached[2].is_finite() {
             continue;
         }
-        let least = 1 + reached.iter().position(|&value| value >= level).unwrap();
         let n = instance.len();
         let settings = RelaxationSettings::default();
-        let found = fewest(&instance, level, n, &settings, seed, 100_000, &mut |_| ControlFlow::Continue(())).unwrap();
-        assert_eq!(found.best.selected.len(), least, "seed {seed}");
-        assert!(found.best.log_value >= level, "seed {seed}");
-        assert!(found.least <= least, "seed {seed}");
-        // Singular sets are proven nothing of by a relaxation; elsewhere the proof is complete.
-        assert!(
-            found.least == least || reached[least.saturating_sub(2)] == f64::NEG_INFINITY,
-            "seed {seed}: {found:?}"
-        );
+        // A little below what three reach, just that, and a little above what two do, where bounds alone prove nothing.
+        for level in [reached[2] - 0.01, reached[2], reached[1] + 1e-3] {
+            if !(level.is_finite() && level <= reached[2]) {
+                continue;
+            }
+            let least = 1 + reached.iter().position(|&value| value >= level).unwrap();
+            let sought = |nodes: usize| {
+                fewest(&instance, level, n, &settings, seed, nodes, &mut |_| ControlFlow::Continue(())).unwrap()
+            };
+            let found = sought(100_000);
+            assert_eq!(found.best.selected.len(), least, "seed {seed}");
+            // The proof ends at a number of which only singular sets were found; elsewhere it is complete.
+            let nothing_found = |count: usize| best(&instance.with_count(count).unwrap(), &settings, seed).is_err();
+            assert!(found.least == least || nothing_found(found.least), "seed {seed}: {found:?}");
+            for found in [found, sought(0)] {
+                assert!(found.best.log_value >= level, "seed {seed}");
+                assert!(found.least <= least, "seed {seed}");
+                let Some(refutation) = found.refutation else { continue };
+                let fewer = instance.with_count(found.least - 1).unwrap();
+                let Certificate { y, mixture, prices, log_bound } = refutation.certificate;
+                assert_eq!(Certificate::new(&fewer, Gradient { y, mixture }, prices).log_bound, log_bound);
+                assert!(refutation.nodes > 0 || log_bound < level, "seed {seed}: no proof");
+            }
+        }
     }
+}
+
+/// Under constraints a larger number may not fit; that too few suffice is proven, or nothing is said.
+#[test]
+fn no_fewer_reach_the_level_under_constraints() {
+    let (mut exact, mut never) = (0, 0);
+    for seed in 0..SEEDS {
+        let case = Case::random(seed);
+        let Some(instance) = case.instance() else { continue };
+        if case.constraints.caps.is_empty() {
+            continue;
+        }
+        let n = instance.len();
+        let of = |count: usize| Case { count, ..case.clone() }.optimum(&instance);
+        let reached: Vec<f64> = (1..=n).map(of).collect();
+        let most = reached.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let settings = RelaxationSettings::default();
+        let sought =
+            |level: f64| fewest(&instance, level, n, &settings, seed, 100_000, &mut |_| ControlFlow::Continue(()));
+        let levels = reached.iter().flat_map(|value| [value - 0.01, value + 1e-3]);
+        for level in levels.filter(|level| level.is_finite() && *level <= most) {
+            let least = 1 + reached.iter().position(|&value| value >= level).unwrap();
+            let Ok(found) = sought(level) else { continue };
+            assert!(found.best.log_value >= level && found.least <= least, "seed {seed}: {found:?}");
+            exact += usize::from(found.best.selected.len() == least);
+        }
+        if let Err(NotEnough::Never { log_bound, .. }) = sought(most + 0.1) {
+            assert!(log_bound >= most, "seed {seed}: {log_bound} {most}");
+            never += usize::from(log_bound.is_finite());
+        }
+    }
+    assert!(exact > 100 && never > 10, "{exact} {never}");
 }
 
 /// A bound does not depend on where Y, the mixture and the prices came from: near the optimum's, far from it, or of deficient
@@ -395,6 +526,75 @@ fn any_semidefinite_matrix_proves_a_bound() {
         }
         let nothing = Gradient { y: vec![0.0; instance.prior().len()], mixture: vec![1.0; 3] };
         assert_eq!(Certificate::new(&instance, nothing, vec![]).log_bound, f64::INFINITY);
+        // No mixture is one of negative parts, or of none.
+        if seed % 7 == 4 {
+            let y: Vec<f64> = instance.orders().flat_map(|p| pack(&DMatrix::identity(p, p))).collect();
+            for mixture in [vec![-0.2, 0.6, 0.6], vec![0.0; 3], vec![]] {
+                let gradient = Gradient { y: y.clone(), mixture };
+                assert_eq!(Certificate::new(&instance, gradient, vec![]).log_bound, f64::INFINITY);
+            }
+        }
+    }
+}
+
+/// Where all but one direction of a weight matter little, the bound does not gain from the roots of rounding.
+#[test]
+fn a_bound_holds_for_weights_of_little_rank() {
+    for seed in 0..100 {
+        let mut rng = Xoshiro256Plus::seed_from_u64(seed);
+        let Q = normal(&mut rng, 3, 3).qr().q();
+        let weight = &Q * DMatrix::from_diagonal(&vec![1.0, 1e-13, 1e-14].into()) * Q.transpose();
+        let candidates = InformationSet::from_matrices(3, [&DMatrix::identity(3, 3)]).unwrap();
+        let function = InformationFunction::variance(&weight);
+        let instance = Instance::new(&candidates, None, &function, 1).unwrap();
+        let gradient = instance.gradient(&instance.total(&[0])).unwrap();
+        let slack = Certificate::new(&instance, gradient, vec![]).log_bound - value(&instance, &[0]);
+        assert!((0.0..1e-6).contains(&slack), "seed {seed}: {slack:e}");
+    }
+}
+
+/// Intrinsics in unlike units: what is small of a weight is not drowned by what is large.
+#[test]
+fn a_weight_is_that_of_its_factor_in_any_units() {
+    let mut rng = Xoshiro256Plus::seed_from_u64(0);
+    let units = DMatrix::from_diagonal(&vec![1.0, 1e9, 1e-9].into());
+    let weight = &units * semidefinite(&mut rng, 3, 2) * &units;
+    let InformationFunction::Variance(L) = InformationFunction::variance(&weight) else { unreachable!() };
+    assert_eq!(L.ncols(), 2);
+    let product = &L * L.transpose();
+    for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
+        let scale = (weight[(i, i)] * weight[(j, j)]).sqrt();
+        assert!((product[(i, j)] - weight[(i, j)]).abs() < 1e-12 * scale, "{i} {j}: {product} {weight}");
+    }
+}
+
+/// Fewer views of rank one than parameters determine nothing, whatever rounding makes of their sum; nor does a sum tell its least
+/// eigenvalue that is less than the rounding of the greatest.
+#[test]
+fn what_rounding_leaves_is_no_information() {
+    let p = 4;
+    let functions = [
+        InformationFunction::Determinant,
+        InformationFunction::variance(&DMatrix::identity(p, p)),
+        InformationFunction::min_eigenvalue(),
+        InformationFunction::worst_variance(&[DMatrix::identity(p, p)]),
+    ];
+    for seed in 0..SEEDS {
+        let mut rng = Xoshiro256Plus::seed_from_u64(seed);
+        let units = normal(&mut rng, p, 1).map(|x| 10f64.powf(x));
+        let views = (1..p).map(|_| normal(&mut rng, p, 1).component_mul(&units));
+        let sum = pack(&views.fold(DMatrix::zeros(p, p), |sum, a| sum + &a * a.transpose()));
+        let mut apart = semidefinite(&mut rng, p, p) + DMatrix::identity(p, p);
+        apart.row_mut(0).scale_mut(1e12);
+        apart.column_mut(0).scale_mut(1e12);
+        let of_least = |function: &InformationFunction| *function == functions[2];
+        for function in &functions {
+            for M in [&sum, &pack(&apart)] {
+                let known = M != &sum && !of_least(function);
+                assert_eq!(function.log_value(&mut M.clone(), p).is_finite(), known, "seed {seed}: {function:?}");
+                assert_eq!(function.gradient(M, p).is_some(), known, "seed {seed}: {function:?}");
+            }
+        }
     }
 }
 
@@ -427,6 +627,23 @@ fn a_candidate_given_twice_counts_twice() {
     }
 }
 
+/// Its price is taken off once.
+#[test]
+fn a_candidate_named_twice_in_a_group_counts_once() {
+    let view = DMatrix::identity(1, 1);
+    let candidates = InformationSet::from_matrices(1, [&view; 3]).unwrap();
+    let function = InformationFunction::Determinant;
+    let term = Term { candidates: &candidates, prior: None, function: &function, share: 1.0 };
+    let bound = |members: &[usize]| {
+        let caps = vec![Cap { members: members.to_vec(), most: 1 }];
+        let instance = Instance::constrained(&[term], 2, Constraints { caps, ..Default::default() }).unwrap();
+        Certificate::new(&instance, Gradient { y: vec![1.0], mixture: vec![] }, vec![(0, 0.25)]).log_bound
+    };
+    // 1 + (1 − ¼) + ¼
+    assert!((bound(&[1, 0]) - 2f64.ln()).abs() < 1e-9);
+    assert_eq!(bound(&[1, 0, 1]), bound(&[1, 0]));
+}
+
 #[test]
 fn counts_that_cannot_be_selected_are_refused() {
     let view = DMatrix::identity(2, 2);
@@ -441,6 +658,73 @@ fn counts_that_cannot_be_selected_are_refused() {
         Instance::new(&empty, None, &function, 1).unwrap_err(),
         SelectionError::Count { count: 1, candidates: 0 }
     );
+}
+
+#[test]
+fn constraints_that_contradict_themselves_are_refused() {
+    let view = DMatrix::identity(1, 1);
+    let candidates = InformationSet::from_matrices(1, [&view; 4]).unwrap();
+    let function = InformationFunction::Determinant;
+    let term = Term { candidates: &candidates, prior: None, function: &function, share: 1.0 };
+    let instance = |count, constraints| Instance::constrained(&[term], count, constraints);
+    let required = |required: &[usize]| Constraints { required: required.to_vec(), ..Default::default() };
+    let cap = |members: &[usize], most: usize| vec![Cap { members: members.to_vec(), most }];
+    let apart =
+        |least: f64, points: &[f64]| vec![Separation { points: points.iter().map(|&x| vec![x]).collect(), least }];
+    let line = [0.0, 1.0, 2.0, 3.0];
+
+    // As much as is allowed; of equal ones the first.
+    for (selected, allowed) in [
+        (vec![0, 1], Constraints::default()),
+        (vec![0, 3], required(&[3, 0, 3])),
+        (vec![0, 1, 2, 3], required(&[0, 1, 2, 3])),
+        (vec![0, 1, 2], Constraints { forbidden: vec![3], ..Default::default() }),
+        (vec![0, 1, 2], Constraints { caps: cap(&[0, 1, 1], 2), ..required(&[0, 1]) }),
+        (vec![0, 1, 2], Constraints { separations: apart(1.0, &line), ..required(&[0, 1]) }),
+        (vec![0, 1, 2, 3], Constraints { separations: apart(1.0, &line), ..Default::default() }),
+        (vec![0, 1, 2, 3], Constraints { separations: apart(0.0, &[5.0; 4]), ..Default::default() }),
+    ] {
+        assert_eq!(greedy(&instance(selected.len(), allowed).unwrap()).unwrap(), selected);
+    }
+
+    // And a little more.
+    let refused = |count, constraints| instance(count, constraints).unwrap_err();
+    assert_eq!(refused(1, required(&[4])), SelectionError::NoSuchCandidate { candidate: 4, candidates: 4 });
+    assert_eq!(
+        refused(1, Constraints { forbidden: vec![1], ..required(&[1]) }),
+        SelectionError::RequiredAndForbidden { candidate: 1 }
+    );
+    assert_eq!(refused(1, required(&[0, 1])), SelectionError::Allowed { count: 1, required: 2, available: 4 });
+    assert_eq!(
+        refused(4, Constraints { forbidden: vec![3], ..Default::default() }),
+        SelectionError::Allowed { count: 4, required: 0, available: 3 }
+    );
+    assert_eq!(
+        refused(2, Constraints { caps: cap(&[0, 1], 1), ..required(&[0, 1]) }),
+        SelectionError::RequiredAboveCap { group: 0, required: 2, most: 1 }
+    );
+    assert_eq!(
+        refused(2, Constraints { separations: apart(1.1, &line), ..required(&[0, 1]) }),
+        SelectionError::RequiredTooClose { first: 0, second: 1, distance: 1.0, least: 1.1 }
+    );
+    let two = instance(2, required(&[0, 1])).unwrap();
+    for count in [0, 1, 5] {
+        assert_eq!(two.with_count(count).unwrap_err(), SelectionError::Allowed { count, required: 2, available: 4 });
+    }
+    assert!(instance(2, Constraints::default()).unwrap().with_count(0).is_err());
+    for (points, least) in [(&line[..3], 1.0), (&[0.0, 1.0, 2.0, f64::NAN], 1.0), (&line, -1.0), (&line, f64::NAN)] {
+        let refused = refused(1, Constraints { separations: apart(least, points), ..Default::default() });
+        assert_eq!(refused, SelectionError::Separation { points: points.len(), candidates: 4 });
+    }
+    let mut uneven = apart(1.0, &line);
+    uneven[0].points[2] = vec![0.0, 0.0];
+    let refused = refused(1, Constraints { separations: uneven, ..Default::default() });
+    assert_eq!(refused, SelectionError::Separation { points: 4, candidates: 4 });
+    for shares in [&[0.5, 0.6], &[1.5, -0.5]] {
+        let terms = shares.map(|share| Term { share, ..term });
+        let refused = Instance::constrained(&terms, 1, Constraints::default()).unwrap_err();
+        assert!(matches!(refused, SelectionError::Terms { .. }), "{refused:?}");
+    }
 }
 
 /// Views of rank one, too few of them, or none that sees the third parameter: the error names what stays open.

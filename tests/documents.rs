@@ -44,6 +44,10 @@ fn faults(root: &Value, schema: &Value, value: &Value, place: &str) -> Vec<Strin
     };
     let strange: Vec<&String> = words.keys().filter(|word| !KNOWN.contains(&word.as_str())).collect();
     assert!(strange.is_empty(), "{place}: the test does not know {strange:?}");
+    let is_anything = !["$ref", "type", "anyOf", "const", "enum"].iter().any(|&word| words.contains_key(word));
+    if is_anything {
+        return Vec::new();
+    }
     let mut found = Vec::new();
     let mut fault = |what: String| found.push(format!("{place}: {what}"));
     if let Some(name) = schema["$ref"].as_str() {
@@ -201,11 +205,12 @@ fn every_document_is_as_its_schema_says() {
 fn the_rarer_parts_of_documents_are_as_their_schemas_say() {
     let mut held = Held::default();
     let desk = Desk::new();
-    let exact = desk.json("plan coarse.toml -k 4 --method exact --trials 0 -o exact --json");
+    desk.change("exact.toml", &[("method = \"best\"", "method = \"exact\"\nnode_limit = 9")]);
+    let exact = desk.json("plan exact.toml --trials 0 -o exact --json");
     assert!(exact["search"]["open_views"].is_u64());
     held.hold(&exact);
     let chosen = "criterion = \"v\"\nmethod = \"best\"\ncount = 10";
-    desk.change("accurate.toml", &[(chosen, "accuracy = { map_error_px = 5.0 }")]);
+    desk.change("accurate.toml", &[(chosen, "accuracy = { map_error_px = 5.0 }\nnode_limit = 9")]);
     let accurate = desk.json("plan accurate.toml --trials 0 -o accurate --json");
     assert!(accurate["fewest"]["least"].is_u64());
     held.hold(&accurate);

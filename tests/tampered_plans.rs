@@ -12,7 +12,7 @@ use std::path::Path;
 
 use calipose::information::Criterion;
 use calipose::plan::assess::{BrokenConstraint, CertifyError, Confirmed, certify};
-use calipose::plan::choose::{Chooser, candidates, decide};
+use calipose::plan::choose::{Chooser, Decision, candidates, decide};
 use calipose::plan::document::{Document, Plan};
 use calipose::plan::survey::Survey;
 use calipose::problem::{Goal, JointRegion, Method, PoseGroup, Problem, ProblemError};
@@ -208,6 +208,42 @@ fn every_change_of_a_proven_optimum_is_noticed() {
     let planned = Planned::new(problem("servosila-engineer", &[COARSE, exact], ""));
     assert_eq!(planned.plan.search.as_ref().unwrap().end, "optimal");
     every_change_is_noticed(&planned, &["/search/nodes"]);
+}
+
+/// Every number is honest, but the poses miss the accuracies, or the matrix does not exclude fewer.
+#[test]
+fn a_plan_for_accuracies_that_proves_less_than_it_says_is_noticed() {
+    let accuracy = ("criterion = \"v\"\nmethod = \"best\"\ncount = 10", "accuracy = { map_error_px = 3.2, fx = 4.5 }");
+    let problem = problem("servosila-engineer", &[COARSE, accuracy], "");
+    let survey = candidates(&problem, &|_| {}).unwrap();
+    let chooser = Chooser::new(&problem, &survey).unwrap();
+    let (made, chooser) = decide(&problem, chooser, &mut |_| ControlFlow::Continue(())).unwrap();
+    let count = made.choice.selected.len();
+
+    let spaced = (0..count).map(|c| c * survey.views.len() / count).collect();
+    let poor = Decision { choice: chooser.assess(spaced), ..made.clone() };
+    let poor = Plan::new(&problem, &chooser, &poor).unwrap();
+    assert!(matches!(certify(&poor, &problem, &survey), Err(CertifyError::Accuracy { .. })));
+
+    // Here the matrix leaves something to a search, which is said; without one it refutes nothing.
+    let mut plan = Plan::new(&problem, &chooser, &made).unwrap();
+    let confirmed = certify(&plan, &problem, &survey).unwrap();
+    assert_eq!((confirmed.least, plan.fewest.as_ref().unwrap().least), (None, count));
+    assert!(confirmed.unchecked.iter().any(|unchecked| unchecked.field == "fewest.least"));
+    plan.fewest.as_mut().unwrap().nodes = 0;
+    assert!(matches!(certify(&plan, &problem, &survey), Err(CertifyError::Refutation { .. })));
+
+    // Where those required do there is nothing to refute.
+    let mut required = problem.clone();
+    required.constraints.required = plan.poses.iter().map(|pose| pose.id).collect();
+    let planned = Planned::new(required);
+    assert_eq!(planned.plan.fewest.as_ref().unwrap().refutation, None);
+    for (least, nodes) in [(count - 1, 0), (count + 1, 0), (count, 1)] {
+        let mut changed = planned.plan.clone();
+        let fewest = changed.fewest.as_mut().unwrap();
+        (fewest.least, fewest.nodes) = (least, nodes);
+        assert!(planned.certify(&changed).is_err());
+    }
 }
 
 #[test]

@@ -1,10 +1,8 @@
 //! Kalibr's camchain in YAML, and the `sensor.yaml` of `EuRoC`, which has the same keys.
 
-use super::coefficients;
 use super::format::{Export, Import, WriteError};
 use super::intrinsics;
-use super::lens_names::LensNames;
-use super::matrix::Matrix;
+use super::intrinsics::{LensNames, Matrix};
 use super::stated::StatedCamera;
 use super::unsupported;
 use crate::camera::{Camera, Lens};
@@ -101,6 +99,6 @@ fn read(root: &Node, stated: &StatedCamera) -> Result<Camera, ReadError> {
     let mut θ: Vec<Located> = pinhole.entries;
     let listed = ["distortion_coeffs", "distortion_coefficients"].into_iter().find(|key| node.get(key).is_some());
     let listed = numbers(listed.unwrap_or("distortion_coeffs"))?;
-    θ.extend(coefficients::of_lens(lens, model, &listed)?);
+    θ.extend(intrinsics::coefficients_of(lens, model, &listed)?);
     intrinsics::camera(lens, size, &θ)
 }

@@ -3,12 +3,9 @@
 //! A format stands in a file of its own and is registered here: one that is written as a [`CameraFormat`], one that is read among
 //! `IMPORTS`.
 
-mod coefficients;
 mod format;
 mod intrinsics;
 mod kalibr;
-mod lens_names;
-mod matrix;
 mod mrcal;
 mod opencv;
 mod opencv_xml;

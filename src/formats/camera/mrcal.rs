@@ -2,7 +2,7 @@
 
 use super::format::{Export, Import, WriteError};
 use super::intrinsics;
-use super::lens_names::LensNames;
+use super::intrinsics::LensNames;
 use super::stated::StatedCamera;
 use crate::camera::{Camera, Lens};
 use crate::formats::error::{ReadError, ReadFault};

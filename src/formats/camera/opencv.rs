@@ -1,9 +1,8 @@
 //! OpenCV's `FileStorage` in YAML, XML and JSON, with the keys of its calibration samples.
 
-use super::coefficients;
 use super::format::{Export, Import, WriteError};
 use super::intrinsics;
-use super::matrix::{Matrix, camera_matrix};
+use super::intrinsics::{Matrix, camera_matrix};
 use super::stated::StatedCamera;
 use crate::camera::{Camera, Lens};
 use crate::formats::error::{ReadError, ReadFault};
@@ -124,7 +123,7 @@ fn read(root: &Node, stated: &StatedCamera) -> Result<Camera, ReadError> {
     };
     let model = if fisheye { "OpenCV's fisheye" } else { "OpenCV's rational model" };
     let mut θ = matrix.pinhole()?.to_vec();
-    θ.extend(coefficients::of_lens(lens, model, &listed)?);
+    θ.extend(intrinsics::coefficients_of(lens, model, &listed)?);
     intrinsics::camera(lens, size, &θ)
 }
 

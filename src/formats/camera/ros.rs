@@ -1,10 +1,8 @@
 //! ROS `CameraInfo` in YAML: the file that `camera_calibration_parsers` reads and writes, and the message as `topic echo` prints it.
 
-use super::coefficients;
 use super::format::{Export, Import, WriteError};
 use super::intrinsics;
-use super::lens_names::LensNames;
-use super::matrix::{Matrix, camera_matrix};
+use super::intrinsics::{LensNames, Matrix, camera_matrix};
 use super::stated::StatedCamera;
 use crate::camera::{Camera, Lens};
 use crate::formats::error::{ReadError, ReadFault};
@@ -75,7 +73,7 @@ fn read(root: &Node, stated: &StatedCamera) -> Result<Camera, ReadError> {
         _ => LENSES.lens(MODEL, model, node.line)?,
     };
     let model = if model.is_empty() { "an empty model" } else { model };
-    θ.extend(coefficients::of_lens(lens, model, &listed)?);
+    θ.extend(intrinsics::coefficients_of(lens, model, &listed)?);
     intrinsics::camera(lens, size, &θ)
 }
 

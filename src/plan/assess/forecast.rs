@@ -62,13 +62,12 @@ pub struct Forecast {
 }
 
 impl Forecast {
-    /// What is written of it for `problem`, whose pairs of links are `links`; with the limit (s) of a search that follows, a
-    /// diagnosis where views are scarce, and a warning where memory is.
+    /// The forecast, and what else `check` says of a problem with these `links`: a diagnosis where views are scarce, a warning
+    /// where memory is.
     pub fn document(
         &self,
         problem: &Problem,
         links: &LinkPairs,
-        search_limit: Option<f64>,
         diagnosis: Option<&Diagnosis>,
         memory_warning: Option<String>,
     ) -> CheckDocument {
@@ -76,6 +75,7 @@ impl Forecast {
         // The mass is that of any configuration.
         let center_of_mass = tree.center_of_mass(&tree.link_poses(&problem.robot.chain.mid_range()));
         let notes = problem.notes.iter().map(|note| NoteDocument { key: note.key.clone(), note: note.text.clone() });
+        let selection = &problem.selection;
         CheckDocument {
             header: CheckDocument::header(),
             problem: ProblemReference::new(problem),
@@ -83,7 +83,7 @@ impl Forecast {
             estimated_views: self.views,
             estimated_poses: self.count,
             estimated_seconds: finite(self.seconds),
-            search_limit_seconds: search_limit,
+            search_limit_seconds: selection.goal.searches().then_some(selection.time_limit.as_secs_f64()),
             estimated_memory_mb: finite((self.bytes / 1e6).ceil()),
             memory_warning,
             diagnosis: diagnosis.map(DiagnosisDocument::new),

@@ -162,7 +162,7 @@ impl Check<'_, '_> {
             return None;
         };
         for other in shapes {
-            self.fault(&at.key(other), Reason::Conflict { with: first });
+            self.fault(&at.key(other), Reason::Conflict { with: first.into() });
         }
         let at = at.key(first);
         let mut size = |path: &KeyPath, millimetres: f64| self.length(path, millimetres, SIZE);

@@ -69,7 +69,7 @@ impl Check<'_, '_> {
             ("distortion", camera.distortion.is_some()),
         ];
         for (name, _) in given.into_iter().filter(|(_, given)| *given) {
-            self.fault(&at.key(name), Reason::Conflict { with: "camera.file" });
+            self.fault(&at.key(name), Reason::Conflict { with: "camera.file".into() });
         }
         let image = if camera.width_px.is_some() || camera.height_px.is_some() {
             let width = self.image_side(&at.key("width_px"), camera.width_px);

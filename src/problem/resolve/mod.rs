@@ -163,7 +163,7 @@ impl Check<'_, '_> {
                 }
             }
             (Some(_), Some(_)) => {
-                self.fault(&path.key("quaternion_xyzw"), Reason::Conflict { with: "rpy_deg" });
+                self.fault(&path.key("quaternion_xyzw"), Reason::Conflict { with: "rpy_deg".into() });
                 UnitQuaternion::identity()
             }
         };

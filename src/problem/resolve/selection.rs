@@ -58,7 +58,7 @@ impl Check<'_, '_> {
             ("method", selection.method.is_some()),
         ] {
             if given {
-                self.fault(&at.key(key), Reason::Conflict { with: "selection.accuracy" });
+                self.fault(&at.key(key), Reason::Conflict { with: "selection.accuracy".into() });
             }
         }
         Goal::Fewest { accuracies: self.accuracies(&at.key("accuracy"), accuracy, estimated) }
@@ -155,7 +155,7 @@ impl Check<'_, '_> {
         let required = ids(&constraints.require);
         for (i, id) in constraints.forbid.iter().enumerate() {
             if constraints.require.contains(id) {
-                self.fault(&at.key("forbid").at(i), Reason::Conflict { with: "constraints.require" });
+                self.fault(&at.key("forbid").at(i), Reason::Conflict { with: "constraints.require".into() });
             }
         }
         let captured = constraints.captured.iter().enumerate();

@@ -39,7 +39,7 @@ impl Check<'_, '_> {
         } else {
             if sweep.sample.is_some() {
                 let with = if sweep.step_deg.is_some() { "step_deg" } else { "step_mm" };
-                self.fault(&at.key("sample"), Reason::Conflict { with });
+                self.fault(&at.key("sample"), Reason::Conflict { with: with.into() });
             }
             let mut steps = vec![1.0; joints.len()];
             self.steps(&at.key("step_deg"), sweep.step_deg.as_ref(), joints, JointKind::Revolute, &mut steps);

@@ -24,7 +24,7 @@ impl Check<'_, '_> {
             ("joints", !robot.joints.is_empty()),
         ] {
             if given {
-                self.fault(&at.key(key), Reason::Conflict { with: "robot.urdf" });
+                self.fault(&at.key(key), Reason::Conflict { with: "robot.urdf".into() });
             }
         }
         let X_FC = self.mount(&file.camera.mount);
@@ -207,7 +207,7 @@ impl Check<'_, '_> {
             let blank = |joint: &&Joint| joint.kind == kind && stated(joint).is_some_and(|range| range.is_blank());
             let blank: Vec<String> = joints.iter().filter(blank).map(|joint| joint.name.clone()).collect();
             if !blank.is_empty() {
-                self.fault(&at.key(key), Reason::NoLimits { joints: blank });
+                self.fault(&at.key(key), Reason::NoLimits { kind, joints: blank });
             }
         }
         for joint in joints {

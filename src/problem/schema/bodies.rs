@@ -1,13 +1,10 @@
-//! The problem file as written: bodies and masses, and what they are tested for.
-//!
-//! The doc comments are the descriptions of the JSON Schema and the hints of error messages.
+//! Bodies and masses, and what they are tested for.
 #![expect(clippy::struct_field_names, reason = "the units are part of the keys")]
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Pose;
-use super::flexible::Numbers;
+use super::value::{Numbers, Pose};
 
 /// A solid attached to a link, for collision and occlusion. Exactly one of `box_mm`, `sphere_mm`, `cylinder_mm` and
 /// `capsule_mm` gives its shape.

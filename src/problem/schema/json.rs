@@ -7,8 +7,7 @@ use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;
 use serde_json::{Value, json};
 
-use super::File;
-use crate::problem::text::KeyPath;
+use super::file::File;
 
 /// The JSON Schema of problem files, for editors.
 pub fn schema_json() -> Value {
@@ -54,23 +53,23 @@ fn adapt_to_toml(schema: &mut Schema) {
     }
 }
 
-/// What the key at `path` means: its description in the schema. Names that the file makes up below it, of sets of
+/// What the key at the end of this way means: its description in the schema. Names that the file makes up below it, of sets of
 /// limits, share it.
-pub(crate) fn meaning(path: &KeyPath) -> Option<String> {
-    Some(node(path)?.get("description")?.as_str()?.to_owned())
+pub(crate) fn meaning<'k>(keys: impl Iterator<Item = &'k str>) -> Option<String> {
+    Some(node(keys)?.get("description")?.as_str()?.to_owned())
 }
 
-/// The least value of the whole number at `path`, where the schema has one.
-pub(crate) fn least(path: &KeyPath) -> Option<u64> {
-    node(path)?.get("minimum")?.as_u64()
+/// The least value of the whole number at the end of this way, where the schema has one.
+pub(crate) fn least<'k>(keys: impl Iterator<Item = &'k str>) -> Option<u64> {
+    node(keys)?.get("minimum")?.as_u64()
 }
 
-/// The part of the schema that describes the key at `path`, or the nearest key above that is described.
-fn node(path: &KeyPath) -> Option<&'static Value> {
+/// The part of the schema that describes the key at the end of this way, or the nearest key above that is described.
+fn node<'k>(keys: impl Iterator<Item = &'k str>) -> Option<&'static Value> {
     /// Made once: a file may have many faults.
     static ROOT: LazyLock<Value> = LazyLock::new(schema_json);
     let mut node = &*ROOT;
-    for key in path.keys() {
+    for key in keys {
         let Some(properties) = object_below(&ROOT, node).get("properties") else { break };
         node = properties.get(key)?;
     }

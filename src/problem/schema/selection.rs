@@ -1,12 +1,11 @@
-//! The sections of the problem file that say what to choose: `[selection]` and `[constraints]`.
+//! `[selection]` and `[constraints]`: what to choose.
 
 use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::flexible::{Range, TextOrTable};
-use super::named::Named;
+use super::value::{Named, Range, TextOrTable};
 use crate::information::Criterion;
 use crate::problem::Method;
 

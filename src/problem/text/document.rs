@@ -7,58 +7,13 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer, Error};
 
 use super::merge;
-use super::overrides::{Override, Overrides};
-use super::unreadable::Unreadable;
-use crate::problem::key_path::{KeyPath, Segment};
-
-/// A problem file's text and below it a line for each value given in its place, so that every value has its bytes.
-pub(crate) struct Source {
-    text: String,
-    /// Bytes of the file.
-    file: usize,
-    /// The lines below it, and their keys and values.
-    overrides: Vec<(Range<usize>, Override)>,
-}
-
-impl Source {
-    pub(crate) fn new(file: &str, overrides: &Overrides) -> Self {
-        let mut source = Self { text: file.to_owned(), file: file.len(), overrides: Vec::new() };
-        for given in overrides.iter() {
-            source.text.push('\n');
-            let start = source.text.len();
-            source.text += &given.to_string();
-            source.overrides.push((start..source.text.len(), given.clone()));
-        }
-        source
-    }
-
-    /// The file's own text.
-    pub(crate) fn file(&self) -> &str {
-        &self.text[..self.file]
-    }
-
-    /// The line below the file that holds the byte.
-    fn line_below(&self, byte: usize) -> Option<Range<usize>> {
-        self.overrides.iter().map(|(line, _)| line).find(|line| line.start <= byte && byte <= line.end).cloned()
-    }
-}
+use super::path::{KeyPath, Segment};
+use super::source::{Place, Source, Unreadable};
 
 /// A problem file with the place of every key and value, those given in place of the file's among them.
 pub(crate) struct Document<'a> {
     source: &'a Source,
     root: Spanned<DeTable<'a>>,
-}
-
-/// Where something stands.
-pub(crate) struct Place {
-    /// The line that gives a value in place of the file's; none if the place is in the file.
-    pub(crate) given: Option<String>,
-    /// Bytes of the file or of that line.
-    pub(crate) span: Range<usize>,
-    /// From 1.
-    pub(crate) line: usize,
-    /// From 1, in characters.
-    pub(crate) column: usize,
 }
 
 impl<'a> Document<'a> {
@@ -79,7 +34,7 @@ impl<'a> Document<'a> {
 
     /// Where the bytes are.
     pub(crate) fn place(&self, span: &Range<usize>) -> Place {
-        place(self.source, span)
+        self.source.place(span)
     }
 
     /// The bytes of the value at `path`, of the key if it is a section; of the nearest key above where the file leaves
@@ -105,29 +60,6 @@ impl<'a> Document<'a> {
     pub(crate) fn path_at(&self, span: &Range<usize>) -> KeyPath {
         find(self.root.get_ref(), &KeyPath::default(), span).unwrap_or_default()
     }
-}
-
-/// Where the bytes of `source` are.
-pub(super) fn place(source: &Source, span: &Range<usize>) -> Place {
-    match source.line_below(span.start) {
-        Some(line) => {
-            let text = &source.text[line.clone()];
-            let span = span.start - line.start..span.end.min(line.end) - line.start;
-            let (line, column) = line_and_column(text, span.start);
-            Place { given: Some(text.to_owned()), span, line, column }
-        }
-        None => {
-            let (line, column) = line_and_column(source.file(), span.start);
-            Place { given: None, span: span.clone(), line, column }
-        }
-    }
-}
-
-/// Line and column of a byte of `text`, both from 1; columns count characters.
-fn line_and_column(text: &str, byte: usize) -> (usize, usize) {
-    let before = text.get(..byte).unwrap_or(text);
-    let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
-    (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
 }
 
 /// What may stand below a value.
@@ -180,6 +112,7 @@ fn find_below(value: &Spanned<DeValue>, path: &KeyPath, span: &Range<usize>) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::problem::Overrides;
 
     const TEXT: &str = "name = \"ä\"\n[robot]\nflange = { position_mm = [1, 2, 3] }\n[[robot.joints]]\na_mm = 7\n[[robot.joints]]\nb = 8\n";
 
@@ -193,13 +126,13 @@ mod tests {
 
     #[test]
     fn values_are_found_and_missing_ones_fall_back_to_the_key_above() {
-        let robot = KeyPath::section("robot");
+        let robot = KeyPath::default().key("robot");
         let joints = robot.key("joints");
         assert_eq!(at(&joints.at(0).key("a_mm")), "7");
         assert_eq!(at(&robot.key("flange").key("position_mm").at(1)), "2");
         assert_eq!(at(&robot.key("flange").key("rpy_deg")), "flange");
         assert_eq!(at(&joints.at(1).key("a_mm")), "[[robot.joints]]");
-        assert_eq!(at(&KeyPath::section("camera")), "");
+        assert_eq!(at(&KeyPath::default().key("camera")), "");
         assert_eq!(at(&robot), "robot");
         assert_eq!(at(&robot.key("flange").key("position_mm")), "[1, 2, 3]");
         assert_eq!(at(&joints), "joints");
@@ -209,16 +142,10 @@ mod tests {
     fn paths_are_found_by_place() {
         let source = source();
         let document = Document::parse(&source).unwrap();
-        let path = KeyPath::section("robot").key("joints").at(1).key("b");
+        let path = KeyPath::default().key("robot").key("joints").at(1).key("b");
         let (value, written) = document.locate(&path);
         assert!(written && !document.locate(&path.key("c")).1);
         assert_eq!(document.path_at(&value), path);
         assert_eq!(path.to_string(), "robot.joints[1].b");
-    }
-
-    #[test]
-    fn columns_count_characters() {
-        assert_eq!(line_and_column(TEXT, TEXT.find("\n[").unwrap()), (1, 11));
-        assert_eq!(line_and_column("", 0), (1, 1));
     }
 }

@@ -7,8 +7,8 @@ use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
 use super::overrides::Override;
-use super::unreadable::Unreadable;
-use crate::problem::key_path::{KeyPath, Segment};
+use super::path::{KeyPath, Segment};
+use super::source::Unreadable;
 
 /// Keys of which one excludes the others: that which is given in place of the file's removes these.
 const INSTEAD: [(&str, &[&str]); 7] = [
@@ -146,6 +146,20 @@ fn remove(root: &mut DeTable, path: &str) {
         match table.get_mut(&name).map(Spanned::get_mut) {
             Some(DeValue::Table(below)) => table = below,
             _ => return,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::schema::meaning;
+
+    #[test]
+    fn keys_that_exclude_others_are_of_the_schema() {
+        for key in INSTEAD.iter().flat_map(|(one, others)| others.iter().chain([one])) {
+            let path = KeyPath::parse(key).unwrap();
+            assert!(meaning(path.keys()).is_some(), "{key}");
         }
     }
 }

@@ -3,10 +3,12 @@
 mod document;
 mod merge;
 mod overrides;
+mod path;
+mod source;
 mod syntax;
-mod unreadable;
 
-pub(super) use super::key_path::KeyPath;
-pub(super) use document::{Document, Source};
+pub(super) use document::Document;
 pub use overrides::{OverrideError, Overrides};
+pub(super) use path::KeyPath;
+pub(super) use source::Source;
 pub(super) use syntax::{fault, read};

@@ -5,7 +5,7 @@ use std::fmt;
 use thiserror::Error;
 use toml::de::DeValue;
 
-use crate::problem::key_path::KeyPath;
+use super::path::KeyPath;
 
 /// Values in place of those of a problem file, by the dotted paths of their keys, in the order given; of two for one key the
 /// later holds.

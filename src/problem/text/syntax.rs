@@ -1,14 +1,15 @@
 //! From the text of a problem file to its schema, and from serde's complaints to faults.
 
-use super::document::{Document, Place, Source, place};
+use super::document::Document;
+use super::path::KeyPath;
+use super::source::{Place, Source};
 use crate::problem::fault::{Fault, Reason};
-use crate::problem::key_path::KeyPath;
 use crate::problem::schema::{File, least, meaning};
 
 /// The document of `source`, and what it says.
 pub(crate) fn read(source: &Source) -> Result<(Document<'_>, File), Box<Fault>> {
     let document = Document::parse(source).map_err(|error| {
-        let Place { given, span, line, column } = place(source, &error.span);
+        let Place { given, span, line, column } = source.place(&error.span);
         let reason = Reason::Syntax { message: error.message };
         Box::new(Fault { key: String::new(), written: true, given, line, column, span, reason, meaning: None })
     })?;
@@ -22,7 +23,7 @@ pub(crate) fn read(source: &Source) -> Result<(Document<'_>, File), Box<Fault>> 
 pub(crate) fn fault(document: &Document, path: &KeyPath, reason: Reason) -> Fault {
     let (span, written) = document.locate(path);
     let Place { given, span, line, column } = document.place(&span);
-    Fault { key: path.to_string(), written, given, line, column, span, reason, meaning: meaning(path) }
+    Fault { key: path.to_string(), written, given, line, column, span, reason, meaning: meaning(path.keys()) }
 }
 
 /// Serde reports in text only; its wording is stable, and snapshots of the messages hold it.
@@ -42,12 +43,12 @@ fn translate(document: &Document, error: &toml::de::Error) -> Fault {
     } else if let (true, [name, allowed @ ..]) = (message.starts_with("unknown variant"), &names[..]) {
         Reason::UnknownName { name: name.clone(), allowed: allowed.to_vec() }
     } else if let Some((found, expected)) = message.rsplit_once(", expected ") {
-        Reason::Type { found: plain_found(found), expected: plain_expected(expected, least(&path).unwrap_or(0)) }
+        Reason::Type { found: plain_found(found), expected: plain_expected(expected, least(path.keys()).unwrap_or(0)) }
     } else {
         Reason::Syntax { message: message.to_owned() }
     };
     let Place { given, span, line, column } = document.place(&span);
-    Fault { key: path.to_string(), written: true, given, line, column, span, reason, meaning: meaning(&path) }
+    Fault { key: path.to_string(), written: true, given, line, column, span, reason, meaning: meaning(path.keys()) }
 }
 
 fn plain_found(serde: &str) -> String {

@@ -226,6 +226,20 @@ mod tests {
     use crate::selection::InformationSet;
     use crate::selection::{Cap, Constraints, InformationFunction, Separation, Term};
 
+    /// Of more candidates than are searched nothing is proven: those left out may stand apart.
+    #[test]
+    fn a_sample_bounds_nothing() {
+        let n = MOST + MOST / 512;
+        let points: Vec<Vec<f64>> = (0..n).map(|i| vec![if i % 513 == 512 { i as f64 } else { 0.0 }]).collect();
+        let one = DMatrix::identity(1, 1);
+        let candidates = InformationSet::from_matrices(1, vec![&one; n]).unwrap();
+        let function = InformationFunction::Determinant;
+        let term = Term { candidates: &candidates, prior: None, function: &function, share: 1.0 };
+        let constraints = Constraints { separations: vec![Separation { points, least: 1.0 }], ..Default::default() };
+        let found = packing(&Instance::constrained(&[term], n, constraints).unwrap(), &[], EFFORT);
+        assert!(found.selected.len() <= 9 && found.at_most >= 9, "{found:?}");
+    }
+
     proptest! {
         /// Against every subset; and stopped at once, it has a set that is allowed and a bound that holds.
         #[test]

@@ -284,6 +284,11 @@ mod tests {
         ));
         assert!(matches!(set(&[1.0, 2.0, 1.0]), Err(InformationError::Indefinite { candidate: 0, .. })));
         assert!(matches!(set(&[1.0, 0.0, -1.0]), Err(InformationError::Indefinite { .. })));
+        // What is rounding and what is not does not depend on the unit.
+        for unit in [1e-12, 1.0, 1e12] {
+            assert!(matches!(set(&[unit, 1.000_001 * unit, unit]), Err(InformationError::Indefinite { .. })));
+            assert!(set(&[unit, (1.0 + 1e-13) * unit, unit]).is_ok());
+        }
         assert!(set(&[1.0, 1.0, 1.0, 0.0, 0.0, 0.0]).is_ok());
     }
 }

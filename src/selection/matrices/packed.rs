@@ -231,6 +231,12 @@ mod tests {
     }
 
     #[test]
+    fn a_determinant_below_every_double_has_its_logarithm() {
+        let l = pack(&DMatrix::from_diagonal_element(4, 4, 1e-100));
+        assert!((log_det(&l, 4) + 800.0 * 10f64.ln()).abs() < 1e-9);
+    }
+
+    #[test]
     fn singular_and_indefinite_matrices_have_no_factor() {
         for m in [[1.0, 1.0, 1.0], [1.0, 2.0, 1.0], [0.0, 0.0, 1.0], [f64::NAN, 0.0, 1.0]] {
             assert!(!cholesky(&mut m.clone(), 2));

@@ -7,6 +7,7 @@ use crate::selection::best::{Best, best};
 use crate::selection::certificate::Certificate;
 use crate::selection::error::SelectionError;
 use crate::selection::exchange::exchange;
+use crate::selection::function::Gradient;
 use crate::selection::greedy::greedy;
 use crate::selection::instance::Instance;
 use crate::selection::relaxation::{RelaxationSettings, relax};
@@ -111,7 +112,8 @@ impl Quest<'_> {
                         return Ok(improved);
                     }
                     let bounded = relax(&larger, &improved, self.settings);
-                    let log_bound = bounded.map_or(f64::INFINITY, |relaxed| relaxed.certificate.log_bound);
+                    let log_bound =
+                        bounded.map_or(f64::INFINITY, |relaxed| self.bound_of_all(count, &relaxed.certificate));
                     return Err(NotEnough::Never { selected: improved, log_bound });
                 }
                 Err(SelectionError::NoRoom { found, at_most, .. })
@@ -136,9 +138,8 @@ impl Quest<'_> {
             if best.log_value >= self.level {
                 return Ok(best.selected);
             }
-            // What bounds the largest sets bounds all.
             if count == at_most {
-                log_bound = best.relaxation.certificate.log_bound;
+                log_bound = self.bound_of_all(count, &best.relaxation.certificate);
             }
             if closest.as_ref().is_none_or(|closest| best.log_value > closest.log_value) {
                 closest = Some(best);
@@ -150,8 +151,24 @@ impl Quest<'_> {
         }
     }
 
+    /// What the certificate of the largest sets, of `most`, proves of all: its matrix and prices bound the smaller ones too, which
+    /// the constraints may keep from growing into those.
+    fn bound_of_all(&self, most: usize, certificate: &Certificate) -> f64 {
+        let Certificate { y, mixture, prices, log_bound } = certificate;
+        // Without prices the bound grows with the number.
+        if prices.is_empty() {
+            return *log_bound;
+        }
+        let of = |count: usize| {
+            let gradient = Gradient { y: y.clone(), mixture: mixture.clone() };
+            Some(Certificate::new(&self.instance.with_count(count).ok()?, gradient, prices.clone()).log_bound)
+        };
+        (self.fewest_allowed()..most).filter_map(of).fold(*log_bound, f64::max)
+    }
+
     /// The least number whose bound reaches the level, and the proof that one less does not; by bisection below the size of
-    /// `enough`, where the relaxation starts from.
+    /// `enough`, where the relaxation starts from. Fewer than these do not either, whatever the constraints: the relaxed value is
+    /// concave in the number, and `enough` reach the level.
     fn least_by_bounds(&self, enough: &[usize]) -> Result<(usize, Option<Refutation>), SelectionError> {
         let (mut short, mut least) = (self.fewest_allowed() - 1, enough.len());
         let mut refutation = None;

@@ -73,5 +73,5 @@ pub(super) fn text(detections: &Detections, calibration: &Calibration, assessmen
     if outliers.len() > LISTED {
         text += &format!("... and {} outliers more; --json lists them.\n", outliers.len() - LISTED);
     }
-    text + &format!("\n{}", verdict)
+    text + &format!("\n{verdict}")
 }

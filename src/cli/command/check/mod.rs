@@ -41,8 +41,7 @@ pub(crate) fn run(arguments: &ProblemArguments, screen: &mut Screen) -> Result<(
         JointSpace::Sample(_) => format!("sample of {} configurations", grouped(total)),
     };
     let search_limit = problem.selection.goal.searches().then_some(problem.selection.time_limit.as_secs_f64());
-    let document =
-        forecast.document(&problem, checks.collision().links(), search_limit, diagnosis.as_ref(), memory.clone());
+    let document = forecast.document(&problem, checks.collision().links(), diagnosis.as_ref(), memory.clone());
     screen.document(&document)?;
     let mut text = format!(
         "{}: valid.\n{}{} joints, {space_text}.\n{}\n{}\n{}About {} of them {} (from {} tried).\n`calipose plan` would choose {}, \

@@ -1,4 +1,4 @@
-//! The way to a key of a problem file.
+//! Keys of a problem file, by the ways to them.
 
 use std::fmt;
 
@@ -54,6 +54,11 @@ impl KeyPath {
         })
     }
 
+    /// The name of the key itself.
+    pub(crate) fn name(&self) -> &str {
+        self.keys().last().unwrap_or_default()
+    }
+
     fn then(&self, segment: Segment) -> Self {
         let mut path = self.clone();
         path.0.push(segment);
@@ -70,5 +75,18 @@ impl fmt::Display for KeyPath {
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_read_as_they_are_written() {
+        let path = KeyPath::default().key("robot").key("joints").at(2).key("limits_deg").at(1);
+        assert_eq!(path.to_string(), "robot.joints[2].limits_deg[1]");
+        assert_eq!(KeyPath::parse(&path.to_string()), Some(path.clone()));
+        assert_eq!(path.name(), "limits_deg");
     }
 }

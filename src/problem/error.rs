@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 use thiserror::Error;
 
-use super::Fault;
+use super::fault::Fault;
 
 /// Faults that are drawn at most.
 const MOST_DRAWN: usize = 50;

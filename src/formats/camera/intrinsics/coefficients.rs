@@ -1,8 +1,8 @@
 //! Distortion coefficients as files list them: in OpenCV's order, some left out, or filled up with zeros.
 
 use super::matrix::Matrix;
-use super::unsupported::THIN_PRISM;
 use crate::camera::Lens;
+use crate::formats::camera::unsupported::THIN_PRISM;
 use crate::formats::error::{ReadError, ReadFault};
 use crate::formats::tree::Located;
 
@@ -13,7 +13,11 @@ const FEWEST: usize = 4;
 const FIRST_OF_THIN_PRISM: usize = 8;
 
 /// The coefficients of `lens`, which the file calls `model`: those left out are zero, and zeros beyond its own are dropped.
-pub(super) fn of_lens(lens: Lens, model: &str, list: &Matrix) -> Result<Vec<Located>, ReadError> {
+pub(in crate::formats::camera) fn coefficients_of(
+    lens: Lens,
+    model: &str,
+    list: &Matrix,
+) -> Result<Vec<Located>, ReadError> {
     let Matrix { key, line, entries } = list;
     let count = lens.parameter_names().len() - 4;
     if let Some(i) = (count..entries.len()).find(|&i| entries[i].value != 0.0) {

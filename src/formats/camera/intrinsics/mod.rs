@@ -1,10 +1,18 @@
-//! The intrinsics that a file lists, each in its range.
+//! A camera's lens model and intrinsics, as the formats list them: a name, a matrix, coefficients.
+
+mod coefficients;
+mod lens_names;
+mod matrix;
+
+pub(super) use coefficients::coefficients_of;
+pub(super) use lens_names::LensNames;
+pub(super) use matrix::{Matrix, camera_matrix};
 
 use crate::camera::{Camera, Lens};
 use crate::formats::error::{ReadError, ReadFault};
 use crate::formats::tree::Located;
 
-/// The camera of intrinsics θ.
+/// The camera of intrinsics θ, each in its range.
 pub(super) fn camera(lens: Lens, [width, height]: [u32; 2], θ: &[Located]) -> Result<Camera, ReadError> {
     for (i, (name, value)) in lens.parameter_names().iter().zip(θ).enumerate() {
         let (min, max) = match i {

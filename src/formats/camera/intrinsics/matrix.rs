@@ -13,17 +13,17 @@ const NO_SKEW: f64 = 1e-3;
 const ROUNDING: f64 = 1e-9;
 
 /// A matrix of a file.
-pub(super) struct Matrix {
+pub(in crate::formats::camera) struct Matrix {
     /// The key of its numbers.
-    pub(super) key: String,
-    pub(super) line: usize,
+    pub(in crate::formats::camera) key: String,
+    pub(in crate::formats::camera) line: usize,
     /// Row by row.
-    pub(super) entries: Vec<Located>,
+    pub(in crate::formats::camera) entries: Vec<Located>,
 }
 
 impl Matrix {
     /// The matrix at the first of `keys` that `root` has.
-    pub(super) fn read(root: &Node, keys: &[&str]) -> Result<Self, ReadError> {
+    pub(in crate::formats::camera) fn read(root: &Node, keys: &[&str]) -> Result<Self, ReadError> {
         let Some((key, matrix)) = root.first_of(keys) else {
             return Err(ReadFault::Missing { key: keys[0].to_owned() }.at(root.line));
         };
@@ -44,7 +44,7 @@ impl Matrix {
     }
 
     /// fx, fy, cx and cy of a camera matrix, which must have no skew.
-    pub(super) fn pinhole(&self) -> Result<[Located; 4], ReadError> {
+    pub(in crate::formats::camera) fn pinhole(&self) -> Result<[Located; 4], ReadError> {
         let Self { key, line, entries } = self;
         let [fx, skew, cx, zero, fy, cy, left, below, one] = entries[..] else {
             let expected = "9 (3 x 3)".to_owned();
@@ -63,6 +63,6 @@ impl Matrix {
 }
 
 /// Entries of the camera matrix of θ.
-pub(super) fn camera_matrix(θ: &[f64]) -> [f64; 9] {
+pub(in crate::formats::camera) fn camera_matrix(θ: &[f64]) -> [f64; 9] {
     [θ[0], 0.0, θ[2], 0.0, θ[1], θ[3], 0.0, 0.0, 1.0]
 }

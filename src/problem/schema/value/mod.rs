@@ -1,0 +1,9 @@
+//! Values of the problem file that are more than one number or text.
+
+mod flexible;
+mod named;
+mod pose;
+
+pub(crate) use flexible::{NumberOrList, Numbers, Range, RangeOrSets, TextOrTable};
+pub(crate) use named::{MountName, Named};
+pub(crate) use pose::Pose;

@@ -1,0 +1,68 @@
+//! `[visibility]`, `[noise]` and `[estimate]`: what makes a view, and what it tells.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// What a view must satisfy besides showing the corners.
+#[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct Visibility {
+    /// Least distance of every corner from the centres of the outermost pixels, in px.
+    pub(crate) margin_px: f64,
+    /// Greatest angle between the board's normal and the direction to the camera, in degrees.
+    pub(crate) max_incidence_deg: f64,
+    /// Greatest angle between the board's normal and the optical axis, in degrees.
+    pub(crate) max_tilt_deg: f64,
+    /// Least distance from the camera to the board's centre, in mm.
+    pub(crate) min_distance_mm: f64,
+    /// Greatest distance from the camera to the board's centre, in mm.
+    pub(crate) max_distance_mm: f64,
+    /// Least distance between neighbouring corners in the image, in px.
+    pub(crate) min_corner_spacing_px: f64,
+    /// Fewest corners that make a view, for boards that can be read in part (`ChArUco`, grids of tags); every corner when left
+    /// out.
+    #[schemars(range(min = 4))]
+    pub(crate) min_corners: Option<u32>,
+}
+
+/// The error of a detected corner.
+#[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct Noise {
+    /// Standard deviation of a detected corner in each direction, in px.
+    pub(crate) sigma_px: f64,
+}
+
+/// The parameters that the calibration estimates.
+#[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Estimate {
+    /// Names of the intrinsics to estimate: fx, fy, cx, cy and the lens model's coefficients. All when left out.
+    pub(crate) intrinsics: Option<Vec<String>>,
+    /// What is known of intrinsics beforehand: their standard deviations by name, as in `{ cx = 20, cy = 20 }`. Nothing when
+    /// left out.
+    #[serde(default)]
+    pub(crate) prior_sigma: BTreeMap<String, f64>,
+}
+
+impl Default for Visibility {
+    fn default() -> Self {
+        Self {
+            margin_px: 5.0,
+            max_incidence_deg: 80.0,
+            max_tilt_deg: 70.0,
+            min_distance_mm: 0.0,
+            max_distance_mm: 100_000.0,
+            min_corner_spacing_px: 5.0,
+            min_corners: None,
+        }
+    }
+}
+
+impl Default for Noise {
+    fn default() -> Self {
+        Self { sigma_px: 0.3 }
+    }
+}
