@@ -2,8 +2,12 @@
 
 #![allow(clippy::unwrap_used)]
 
-use std::collections::BTreeSet;
+mod house;
+
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+
+use house::{House, files_below, in_circles, is_word, without_comments};
 
 /// The modules; each may use those above it.
 const ORDER: [&str; 15] = [
@@ -24,6 +28,85 @@ const ORDER: [&str; 15] = [
     "cli",
 ];
 
+/// The files and rooms in a room; each may use those before it, and all may use the room's own `mod.rs`.
+const ROOMS: [(&str, &[&str]); 17] = [
+    (
+        "selection",
+        &[
+            "matrices",
+            "error",
+            "function",
+            "instance",
+            "certificate",
+            "greedy",
+            "exchange",
+            "influence",
+            "relaxation",
+            "best",
+            "search",
+        ],
+    ),
+    ("selection::matrices", &["packed", "information_set"]),
+    ("selection::function", &["soft_minimum", "curvature"]),
+    ("selection::instance", &["constraints", "packing"]),
+    ("selection::search", &["node", "fewest"]),
+    ("robot", &["joint", "tree", "chain", "dh", "mechanism", "turn", "inverse"]),
+    (
+        "feasibility",
+        &["rejection", "visibility", "shortfall", "solid", "hull", "collision", "occlusion", "stability", "views"],
+    ),
+    ("information", &["criterion", "unknowns", "image_area", "map_error", "weakest", "view", "zhang", "diversity"]),
+    (
+        "calibration",
+        &[
+            "observations",
+            "ties",
+            "loss",
+            "factor",
+            "homography",
+            "zhang",
+            "normal_equations",
+            "observability",
+            "start",
+            "refinement",
+            "estimate",
+            "coverage",
+            "order",
+            "robust",
+            "assessment",
+        ],
+    ),
+    (
+        "formats",
+        &["number", "error", "disk", "xml", "tree", "image_size", "mesh", "urdf", "camera", "detections", "file"],
+    ),
+    (
+        "problem",
+        &["note", "method", "constraints", "fault", "error", "goal", "draft", "schema", "text", "resolve", "builder"],
+    ),
+    ("plan", &["survey", "choose", "document", "results", "assess"]),
+    ("plan::survey", &["contacts", "refine", "smell", "diagnosis"]),
+    ("plan::choose", &["baseline", "choice", "constraints", "error", "objective", "chooser", "candidates", "decide"]),
+    ("plan::document", &["header", "plan", "problem", "answers", "refusal", "kind"]),
+    (
+        "plan::assess",
+        &[
+            "locate",
+            "compare",
+            "explain",
+            "verify",
+            "forecast",
+            "polish",
+            "retaken",
+            "rehearsal",
+            "next",
+            "reach",
+            "certify",
+        ],
+    ),
+    ("cli", &["interrupt", "output", "arguments", "memory", "searching", "loaded_plan", "command"]),
+];
+
 /// Crates that read files or talk to people, and the modules that may.
 const OUTWARD: [&str; 6] = ["serde", "toml", "saphyr_parser", "roxmltree", "clap", "indicatif"];
 const OUTWARD_MODULES: [&str; 4] = ["formats", "problem", "plan", "cli"];
@@ -33,21 +116,6 @@ struct Source {
     path: PathBuf,
     module: String,
     code: String,
-}
-
-fn files_below(folder: &Path) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-    let mut files: Vec<PathBuf> =
-        entries.flat_map(|path| if path.is_dir() { files_below(&path) } else { vec![path] }).collect();
-    files.sort();
-    files.retain(|path| path.extension().is_some_and(|extension| extension == "rs"));
-    files
-}
-
-/// `text` without comments; what it says between quotes stays.
-fn without_comments(text: &str) -> String {
-    let code = |line: &str| line.split_once("//").map_or(line, |(code, _)| code).to_owned();
-    text.lines().map(code).collect::<Vec<_>>().join("\n")
 }
 
 fn sources() -> Vec<Source> {
@@ -60,10 +128,6 @@ fn sources() -> Vec<Source> {
     let sources: Vec<Source> = files_below(root).into_iter().map(source).collect();
     assert!(sources.len() > 20, "the sources were not found");
     sources.into_iter().filter(|source| !["lib", "main"].contains(&source.module.as_str())).collect()
-}
-
-fn is_word(c: char) -> bool {
-    c.is_alphanumeric() || c == '_'
 }
 
 /// The modules that `code` names after `crate::`, also as in `crate::{a, b::c}`.
@@ -125,6 +189,50 @@ fn modules_import_only_from_those_above() {
             };
             let own = place(&source.module).unwrap();
             assert!(above <= own, "{}: `{}` may not use `{import}`", source.path.display(), source.module);
+        }
+    }
+}
+
+#[test]
+fn circles_are_found() {
+    let module = |name: &str| vec![name.to_owned()];
+    let edges = |arrows: &[(&str, &str)]| {
+        let mut edges: BTreeMap<Vec<String>, BTreeSet<Vec<String>>> = BTreeMap::new();
+        for (from, to) in arrows {
+            edges.entry(module(from)).or_default().insert(module(to));
+            edges.entry(module(to)).or_default();
+        }
+        edges
+    };
+    assert!(in_circles(edges(&[("a", "b"), ("b", "c"), ("a", "c")])).is_empty());
+    assert_eq!(in_circles(edges(&[("a", "b"), ("b", "c"), ("c", "b"), ("c", "d")])), ["b -> c", "c -> b"]);
+    // What a room hands on is led to the file that holds it.
+    let taken = &House::read().edges()[&["plan", "assess", "polish"].map(String::from).to_vec()];
+    assert!(taken.contains(&["plan", "choose", "chooser"].map(String::from).to_vec()), "{taken:?}");
+}
+
+#[test]
+fn no_files_take_from_each_other_in_a_circle() {
+    let circles = in_circles(House::read().edges());
+    assert!(circles.is_empty(), "{}", circles.join("\n"));
+}
+
+#[test]
+fn inside_a_room_files_take_only_from_those_before_them() {
+    let house = House::read();
+    let edges = house.edges();
+    for (room, order) in ROOMS {
+        let room: Vec<String> = room.split("::").map(String::from).collect();
+        let stated: BTreeSet<String> = order.iter().map(|&file| file.to_owned()).collect();
+        assert_eq!(stated, house.in_room(&room), "files of {}", room.join("::"));
+        let place = |module: &[String]| {
+            let file = module.get(room.len()).map_or("mod", String::as_str);
+            order.iter().position(|&other| other == file)
+        };
+        for (from, targets) in edges.iter().filter(|(from, _)| from.starts_with(&room)) {
+            for to in targets.iter().filter(|to| to.starts_with(&room)) {
+                assert!(place(to) <= place(from), "{} takes from {}", from.join("::"), to.join("::"));
+            }
         }
     }
 }
