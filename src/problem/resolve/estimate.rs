@@ -27,7 +27,7 @@ impl Check<'_, '_> {
         for At { value: name, path } in intrinsics.elements() {
             match all.iter().position(|known| known == name) {
                 Some(index) if estimated.contains(&index) => {
-                    self.fault(&path, Reason::Duplicate { name: name.clone() })
+                    self.fault(&path, Reason::Duplicate { name: name.clone() });
                 }
                 Some(index) => estimated.push(index),
                 None => self.unknown(&path, name, all),

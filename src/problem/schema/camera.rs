@@ -1,4 +1,5 @@
 //! `[camera]`: its mount and its nominal calibration.
+#![expect(clippy::struct_field_names, reason = "`file_camera` names a camera of the file")]
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

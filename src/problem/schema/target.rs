@@ -1,4 +1,5 @@
 //! `[target]`: the board and its zone.
+#![expect(clippy::struct_field_names, reason = "the units are part of the keys")]
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -55,7 +55,7 @@ enum Children<'d, 't> {
     List(&'d mut DeArray<'t>),
 }
 
-impl<'d, 't> Children<'d, 't> {
+impl<'t> Children<'_, 't> {
     /// What stands below `segment`; a section that the file leaves out is added.
     fn below(self, segment: &Segment, then_list: bool, key: &Range<usize>) -> Result<Self, Unreadable> {
         let value = match (self, segment) {

@@ -34,18 +34,14 @@ impl Source {
 
     /// Where the bytes are.
     pub(super) fn place(&self, span: &Range<usize>) -> Place {
-        match self.line_below(span.start) {
-            Some(line) => {
-                let text = &self.text[line.clone()];
-                let span = span.start - line.start..span.end.min(line.end) - line.start;
-                let (line, column) = line_and_column(text, span.start);
-                Place { given: Some(text.to_owned()), span, line, column }
-            }
-            None => {
-                let (line, column) = line_and_column(self.file(), span.start);
-                Place { given: None, span: span.clone(), line, column }
-            }
-        }
+        let Some(line) = self.line_below(span.start) else {
+            let (line, column) = line_and_column(self.file(), span.start);
+            return Place { given: None, span: span.clone(), line, column };
+        };
+        let text = &self.text[line.clone()];
+        let span = span.start - line.start..span.end.min(line.end) - line.start;
+        let (line, column) = line_and_column(text, span.start);
+        Place { given: Some(text.to_owned()), span, line, column }
     }
 
     /// The line below the file that holds the byte.
