@@ -211,7 +211,7 @@ impl Check<'_, '_> {
         if q.len() != joints.len() && !joints.is_empty() {
             self.fault(path, Reason::Length { found: q.len(), expected: joints.len(), per: "joint" });
         }
-        q.iter().zip(joints).map(|(&value, joint)| joint.kind.from_display(value)).collect()
+        q.iter().zip(joints).map(|(&value, joint)| joint.kind.in_si(value)).collect()
     }
 
     fn region(&mut self, path: &KeyPath, ranges: &BTreeMap<String, Range>, joints: &[Joint]) -> JointRegion {
@@ -233,7 +233,7 @@ impl Check<'_, '_> {
             if !(min <= max && min.is_finite() && max.is_finite()) {
                 self.fault(&key, Reason::Reversed { min, max });
             }
-            region.push((j, Limits { min: joints[j].kind.from_display(min), max: joints[j].kind.from_display(max) }));
+            region.push((j, Limits { min: joints[j].kind.in_si(min), max: joints[j].kind.in_si(max) }));
         }
         JointRegion(region)
     }

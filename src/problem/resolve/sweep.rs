@@ -48,7 +48,7 @@ impl Check<'_, '_> {
                 return None;
             }
             let path = at.key(if sweep.step_deg.is_some() { "step_deg" } else { "step_mm" });
-            (path, JointSpace::Grid(JointGrid::new(&spans, &steps)))
+            (path, JointSpace::Grid(JointGrid::of(&spans, &steps)))
         };
         let most = most_configurations(sweep.axis.0);
         if space.len() > most {

@@ -142,10 +142,10 @@ impl Check<'_, '_> {
                 let Numbers([min, max]) = self.range(&at, range, allowed);
                 let Some(joint) = self.described_joint(&at, name, kind, mechanism) else { continue };
                 given[joint] = true;
-                let mut limits = Limits { min: kind.from_display(min), max: kind.from_display(max) };
+                let mut limits = Limits { min: kind.in_si(min), max: kind.in_si(max) };
                 let bounds = ranges[joint].bounds();
                 // Forgiving what numbers lose that are written to a thousandth.
-                let slack = kind.from_display(1e-3);
+                let slack = kind.in_si(1e-3);
                 if limits.min >= bounds.min - slack && limits.max <= bounds.max + slack {
                     limits = Limits { min: limits.min.max(bounds.min), max: limits.max.min(bounds.max) };
                 } else {
@@ -237,7 +237,7 @@ impl Check<'_, '_> {
                     let unlimited = ranges[joint].is_blank() && !given[joint];
                     let allowed = if unlimited { any } else { allowed_values(&mechanism.joints[joint]) };
                     self.number(&at, value, allowed);
-                    held[joint] = Some(kind.from_display(value));
+                    held[joint] = Some(kind.in_si(value));
                 }
             }
         }
