@@ -96,7 +96,7 @@ fn stages(bench: &mut Bench, name: &str, instance: &Instance) {
     group.sample_size(20).measurement_time(Duration::from_secs(4));
     let settings = RelaxationSettings::default();
     let picked = greedy(instance).expect("the views determine the parameters");
-    let swapped = exchange(instance, picked.clone());
+    let swapped = exchange(instance, picked.clone()).expect("a selection");
     group.bench_function("greedy", |b| b.iter(|| greedy(black_box(instance))));
     group.bench_function("exchange", |b| b.iter(|| exchange(black_box(instance), picked.clone())));
     group.bench_function("relaxation", |b| b.iter(|| relax(black_box(instance), &swapped, &settings)));

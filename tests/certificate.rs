@@ -11,7 +11,7 @@ use calipose::selection::packed::pack;
 use calipose::selection::{
     Best, Cap, Certificate, Constraints, Gradient, InformationFunction, Instance, NotEnough, RelaxationSettings,
     SearchEnd, SelectionError, Separation, Term, best, exchange, fewest, greedy, improved_greedy, relax, search,
-    start_of_search,
+    spares, start_of_search, without_each,
 };
 use calipose::selection::{InformationError, InformationSet};
 use nalgebra::DMatrix;
@@ -210,7 +210,7 @@ fn no_selection_beats_the_bound_and_the_methods_are_in_order() {
         let optimum = case.optimum(&instance);
         // Never a dead end: the constraints allow a set.
         let first = greedy(&instance).unwrap();
-        let swapped = exchange(&instance, first.clone());
+        let swapped = exchange(&instance, first.clone()).unwrap();
         let settings = RelaxationSettings::default();
         let relaxation = relax(&instance, &swapped, &settings).unwrap();
         let best = best(&instance, &settings, seed).unwrap();
@@ -249,7 +249,7 @@ fn no_swap_improves_what_exchange_ends_with() {
         let case = Case::random(seed);
         let Some(instance) = case.instance() else { continue };
         let Some((_, worst)) = case.worst(&instance) else { continue };
-        let ended = exchange(&instance, worst);
+        let ended = exchange(&instance, worst).unwrap();
         let reached = value(&instance, &ended);
         for place in 0..ended.len() {
             for j in (0..instance.len()).filter(|j| !ended.contains(j)) {
@@ -469,7 +469,7 @@ fn no_fewer_reach_the_level() {
                 let Some(refutation) = found.refutation else { continue };
                 let fewer = instance.with_count(found.least - 1).unwrap();
                 let Certificate { y, mixture, prices, log_bound } = refutation.certificate;
-                assert_eq!(Certificate::new(&fewer, Gradient { y, mixture }, prices).log_bound, log_bound);
+                assert_eq!(Certificate::new(&fewer, Gradient { y, mixture }, prices).unwrap().log_bound, log_bound);
                 assert!(refutation.nodes > 0 || log_bound < level, "seed {seed}: no proof");
             }
         }
@@ -521,17 +521,17 @@ fn any_semidefinite_matrix_proves_a_bound() {
             let y = instance.orders().flat_map(|p| pack(&semidefinite(&mut rng, p, rank))).collect();
             let mixture = (0..3).map(|_| rng.gen_range(0.0..1.0)).collect();
             let prices = if case.constraints.caps.is_empty() { vec![] } else { vec![(0, rng.gen_range(0.0..0.5))] };
-            let bound = Certificate::new(&instance, Gradient { y, mixture }, prices).log_bound;
+            let bound = Certificate::new(&instance, Gradient { y, mixture }, prices).unwrap().log_bound;
             assert!(bound >= optimum, "seed {seed}, rank {rank}: {bound} < {optimum}");
         }
         let nothing = Gradient { y: vec![0.0; instance.prior().len()], mixture: vec![1.0; 3] };
-        assert_eq!(Certificate::new(&instance, nothing, vec![]).log_bound, f64::INFINITY);
+        assert_eq!(Certificate::new(&instance, nothing, vec![]).unwrap().log_bound, f64::INFINITY);
         // No mixture is one of negative parts, or of none.
         if seed % 7 == 4 {
             let y: Vec<f64> = instance.orders().flat_map(|p| pack(&DMatrix::identity(p, p))).collect();
             for mixture in [vec![-0.2, 0.6, 0.6], vec![0.0; 3], vec![]] {
                 let gradient = Gradient { y: y.clone(), mixture };
-                assert_eq!(Certificate::new(&instance, gradient, vec![]).log_bound, f64::INFINITY);
+                assert_eq!(Certificate::new(&instance, gradient, vec![]).unwrap().log_bound, f64::INFINITY);
             }
         }
     }
@@ -548,7 +548,7 @@ fn a_bound_holds_for_weights_of_little_rank() {
         let function = InformationFunction::variance(&weight);
         let instance = Instance::new(&candidates, None, &function, 1).unwrap();
         let gradient = instance.gradient(&instance.total(&[0])).unwrap();
-        let slack = Certificate::new(&instance, gradient, vec![]).log_bound - value(&instance, &[0]);
+        let slack = Certificate::new(&instance, gradient, vec![]).unwrap().log_bound - value(&instance, &[0]);
         assert!((0.0..1e-6).contains(&slack), "seed {seed}: {slack:e}");
     }
 }
@@ -637,7 +637,7 @@ fn a_candidate_named_twice_in_a_group_counts_once() {
     let bound = |members: &[usize]| {
         let caps = vec![Cap { members: members.to_vec(), most: 1 }];
         let instance = Instance::constrained(&[term], 2, Constraints { caps, ..Default::default() }).unwrap();
-        Certificate::new(&instance, Gradient { y: vec![1.0], mixture: vec![] }, vec![(0, 0.25)]).log_bound
+        Certificate::new(&instance, Gradient { y: vec![1.0], mixture: vec![] }, vec![(0, 0.25)]).unwrap().log_bound
     };
     // 1 + (1 − ¼) + ¼
     assert!((bound(&[1, 0]) - 2f64.ln()).abs() < 1e-9);
@@ -744,7 +744,8 @@ fn undetermined_parameters_are_named() {
             assert_eq!(combination.iter().filter(|c| c.abs() > 1e-9).count(), 1, "{combination:?}");
             assert_eq!(combination.iter().copied().fold(0.0, f64::max), 1.0);
         }
-        assert_eq!(relax(&instance, &[0, 1], &RelaxationSettings::default()), None);
+        let refused = relax(&instance, &[0, 1], &RelaxationSettings::default()).unwrap_err();
+        assert!(matches!(refused, SelectionError::Unobservable { count: 2, .. }), "{refused:?}");
 
         // Never seen by anyone: parameters 1 and 2 only as their sum.
         let blind = [along([1.0, 0.0, 0.0]), along([0.0, 1.0, 1.0]), along([1.0, 2.0, 2.0])];
@@ -807,4 +808,22 @@ fn priors_and_weights_that_mean_nothing_are_refused() {
         let v = InformationFunction::variance(&weight);
         assert_eq!(Instance::new(&set, None, &v, 1).err(), Some(SelectionError::Weight));
     }
+}
+
+#[test]
+fn what_is_no_selection_and_no_certificate_is_refused() {
+    let set = InformationSet::from_matrices(1, &vec![DMatrix::identity(1, 1); 3]).unwrap();
+    let instance = Instance::new(&set, None, &InformationFunction::Determinant, 2).unwrap();
+    let settings = RelaxationSettings::default();
+    let beyond = SelectionError::OutOfRange { candidate: 3, candidates: 3 };
+    assert_eq!(exchange(&instance, vec![0, 3]).unwrap_err(), beyond);
+    assert_eq!(relax(&instance, &[3, 1], &settings).unwrap_err(), beyond);
+    assert_eq!(spares(&instance, &[0, 3], 1).unwrap_err(), beyond);
+    assert_eq!(without_each(&instance, &[1, 1]).unwrap_err(), SelectionError::Twice { candidate: 1 });
+    assert_eq!(relax(&instance, &[1], &settings).unwrap_err(), SelectionError::TooFew { count: 2, found: 1 });
+    let certificate = |y: Vec<f64>, prices| Certificate::new(&instance, Gradient { y, mixture: vec![] }, prices);
+    let long = SelectionError::Length { what: "matrix Y", expected: 1, found: 2 };
+    assert_eq!(certificate(vec![1.0, 1.0], vec![]).unwrap_err(), long);
+    let priced = SelectionError::NoSuchGroup { group: 0, groups: 0 };
+    assert_eq!(certificate(vec![1.0], vec![(0, 1.0)]).unwrap_err(), priced);
 }

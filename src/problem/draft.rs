@@ -210,7 +210,7 @@ fn described(joint: &Joint, range: &StatedRange) -> String {
     match range {
         _ if range.is_blank() => format!("{kind}, its limits are not stated"),
         StatedRange { continuous: true, soft: None, .. } => "continuous".into(),
-        _ => format!("{kind}, {:.1} … {:.1}{unit}", min, max),
+        _ => format!("{kind}, {min:.1} … {max:.1}{unit}"),
     }
 }
 

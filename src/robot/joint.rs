@@ -55,8 +55,8 @@ impl JointKind {
         }
     }
 
-    /// The joint value that is `value` in its display unit.
-    pub fn from_display(self, value: f64) -> f64 {
+    /// The joint value, in rad or m, that is `value` in its display unit.
+    pub fn in_si(self, value: f64) -> f64 {
         match self {
             Self::Revolute => value.to_radians(),
             Self::Prismatic => value / 1e3,

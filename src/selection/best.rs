@@ -5,7 +5,7 @@ use rand_xoshiro::Xoshiro256Plus;
 use rayon::prelude::*;
 
 use super::error::SelectionError;
-use super::exchange::{exchange, improved_greedy};
+use super::exchange::{improved, improved_greedy};
 use super::instance::Instance;
 use super::relaxation::{Relaxation, RelaxationSettings, relax};
 
@@ -26,12 +26,26 @@ pub struct Best {
 
 /// Selects with every means: exchange from greedy, then from roundings of the relaxation, and keeps the best.
 ///
+/// ```
+/// use calipose::selection::{InformationFunction, InformationSet, Instance, RelaxationSettings, best};
+/// use nalgebra::DMatrix;
+///
+/// // Three measurements of two parameters; the first two are the best pair.
+/// let along = |x: f64, y: f64| DMatrix::from_row_slice(2, 2, &[x * x, x * y, x * y, y * y]);
+/// let views = InformationSet::from_matrices(2, &[along(2.0, 0.0), along(0.0, 2.0), along(1.0, 1.0)])?;
+/// let instance = Instance::new(&views, None, &InformationFunction::Determinant, 2)?;
+/// let found = best(&instance, &RelaxationSettings::default(), 0)?;
+/// assert_eq!(found.selected, [0, 1]);
+/// assert!(found.relaxation.certificate.efficiency(found.log_value) > 0.99);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// As [`improved_greedy`].
 pub fn best(instance: &Instance, settings: &RelaxationSettings, seed: u64) -> Result<Best, SelectionError> {
     let start = improved_greedy(instance)?;
     let total = instance.total(&start);
-    let relaxation = relax(instance, &start, settings).ok_or_else(|| instance.unobservable(&start))?;
+    let relaxation = relax(instance, &start, settings)?;
     let mut best = Best { log_value: instance.log_value(&total), selected: start, relaxation };
     let mut rng = Xoshiro256Plus::seed_from_u64(seed);
     let mut starts = vec![];
@@ -44,7 +58,7 @@ pub fn best(instance: &Instance, settings: &RelaxationSettings, seed: u64) -> Re
             starts.push(rounded);
         }
     }
-    let improved: Vec<_> = starts.into_par_iter().map(|start| exchange(instance, start)).collect();
+    let improved: Vec<_> = starts.into_par_iter().map(|start| improved(instance, start)).collect();
     for selected in improved {
         let log_value = instance.log_value(&instance.total(&selected));
         if log_value > best.log_value {

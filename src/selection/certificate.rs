@@ -1,7 +1,9 @@
 //! Certificates: how good any selection can be at most.
 
+use super::error::SelectionError;
 use super::function::Gradient;
 use super::instance::Instance;
+use super::packed::packed_len;
 
 /// A matrix Y that proves a bound on every selection.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,9 +33,32 @@ impl Certificate {
     /// more selections then and so for the allowed ones too; separations enter by the cells that they imply.
     ///
     /// Wherever Y came from, the bound is evaluated here in plain arithmetic; a poor Y only makes it loose.
-    pub fn new(instance: &Instance, gradient: Gradient, prices: Vec<(usize, f64)>) -> Self {
+    ///
+    /// ```
+    /// use calipose::selection::{Certificate, Gradient, InformationFunction, InformationSet, Instance};
+    /// use nalgebra::DMatrix;
+    ///
+    /// // One parameter, three views, two to choose: with Y = 1 the best two add up to 5.
+    /// let views = InformationSet::from_matrices(1, &[1.0, 2.0, 3.0].map(|m| DMatrix::from_element(1, 1, m)))?;
+    /// let instance = Instance::new(&views, None, &InformationFunction::Determinant, 2)?;
+    /// let certificate = Certificate::new(&instance, Gradient { y: vec![1.0], mixture: vec![] }, vec![])?;
+    /// assert!((certificate.log_bound.exp() - 5.0).abs() < 1e-9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// When Y is of another length than the terms' packed matrices, or a price is of no group.
+    pub fn new(instance: &Instance, gradient: Gradient, prices: Vec<(usize, f64)>) -> Result<Self, SelectionError> {
+        let (expected, found) = (instance.orders().map(packed_len).sum(), gradient.y.len());
+        if found != expected {
+            return Err(SelectionError::Length { what: "matrix Y", expected, found });
+        }
+        let groups = instance.caps().len();
+        if let Some(&(group, _)) = prices.iter().find(|(group, _)| *group >= groups) {
+            return Err(SelectionError::NoSuchGroup { group, groups });
+        }
         let scores = instance.scores(&gradient.y);
-        Self::from_scores(instance, gradient, prices, &scores)
+        Ok(Self::from_scores(instance, gradient, prices, &scores))
     }
 
     /// As [`Certificate::new`] with the scores at hand.

@@ -42,6 +42,46 @@ pub enum SelectionError {
     /// The weight of a variance is zero or not finite.
     #[error("the weight of the variance is zero or not finite; nothing can be made small by it")]
     Weight,
+    /// A selection names a candidate that does not exist.
+    #[error("candidate {candidate} is selected; there are {candidates}, counted from 0")]
+    OutOfRange {
+        /// The candidate named.
+        candidate: usize,
+        /// Number of candidates.
+        candidates: usize,
+    },
+    /// A selection names a candidate twice.
+    #[error("candidate {candidate} is selected twice")]
+    Twice {
+        /// The candidate.
+        candidate: usize,
+    },
+    /// A relaxation starts from too few candidates.
+    #[error("the relaxation starts from {found} candidates; it needs at least the {count} that are to be selected")]
+    TooFew {
+        /// Number to be selected.
+        count: usize,
+        /// Number to start from.
+        found: usize,
+    },
+    /// Packed matrices are of another length than the terms' orders ask for.
+    #[error("the {what} has {found} numbers; the terms' packed matrices have {expected} in all")]
+    Length {
+        /// What does not fit.
+        what: &'static str,
+        /// Numbers of the terms' matrices, p(p+1)/2 each.
+        expected: usize,
+        /// Its numbers.
+        found: usize,
+    },
+    /// A certificate prices a group that does not exist.
+    #[error("group {group} has a price; there are {groups}, counted from 0")]
+    NoSuchGroup {
+        /// The group priced.
+        group: usize,
+        /// Number of groups.
+        groups: usize,
+    },
     /// A constraint names a candidate that does not exist.
     #[error("the constraints name candidate {candidate}; there are {candidates}, counted from 0")]
     NoSuchCandidate {

@@ -22,7 +22,7 @@ const RIDGES: [f64; 3] = [1e-2, 1e-4, 1e-6];
 /// # Errors
 /// When no allowed set was found, or what was found leaves a combination of the parameters undetermined.
 pub fn improved_greedy(instance: &Instance) -> Result<Vec<usize>, SelectionError> {
-    let improved = exchange(instance, start(instance)?);
+    let improved = improved(instance, start(instance)?);
     if instance.is_singular(&improved) {
         return Err(instance.unobservable(&improved));
     }
@@ -35,7 +35,16 @@ pub fn improved_greedy(instance: &Instance) -> Result<Vec<usize>, SelectionError
 /// A swap of i for j gains at most `log(1 + s_j − s_i)` with the scores at the current gradient, so only pairs whose bound
 /// exceeds the best gain found are evaluated, and the end is a true local optimum. A singular selection is led to a regular
 /// one first, by swaps that gain beside a little information assumed known; the result is singular if they lead to none.
-pub fn exchange(instance: &Instance, selected: Vec<usize>) -> Vec<usize> {
+///
+/// # Errors
+/// When `selected` are not candidates, each once.
+pub fn exchange(instance: &Instance, selected: Vec<usize>) -> Result<Vec<usize>, SelectionError> {
+    instance.check(&selected)?;
+    Ok(improved(instance, selected))
+}
+
+/// As [`exchange`], of a selection known to be one.
+pub(super) fn improved(instance: &Instance, selected: Vec<usize>) -> Vec<usize> {
     let value = |selected: &Vec<usize>| instance.log_value(&instance.total(selected));
     let mut current = regular(instance, selected);
     let mut best = ascend(instance, current.clone(), usize::MAX);

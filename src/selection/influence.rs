@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::error::SelectionError;
 use super::instance::Instance;
 
 /// A candidate that can take a member's place.
@@ -21,22 +22,30 @@ const TOO_LITTLE: f64 = 12.0;
 
 /// log Φ of a selection without each of its members, in their order; −∞ where the others leave a combination of the
 /// parameters undetermined.
-pub fn without_each(instance: &Instance, selected: &[usize]) -> Vec<f64> {
+///
+/// # Errors
+/// When `selected` are not candidates, each once.
+pub fn without_each(instance: &Instance, selected: &[usize]) -> Result<Vec<f64>, SelectionError> {
+    instance.check(selected)?;
     // Summed anew rather than subtracted: where a member carries almost all, the difference would be rounding.
-    selected.iter().map(|&i| instance.log_value(&instance.total(&others(selected, i)))).collect()
+    Ok(selected.iter().map(|&i| instance.log_value(&instance.total(&others(selected, i)))).collect())
 }
 
 /// For each member of a selection, in their order, the `most` candidates that leave the greatest log Φ when they take its
 /// place, the best first, equal ones by index; only those that the constraints allow beside the other members. A required
 /// member has no spares.
-pub fn spares(instance: &Instance, selected: &[usize], most: usize) -> Vec<Vec<Spare>> {
+///
+/// # Errors
+/// When `selected` are not candidates, each once.
+pub fn spares(instance: &Instance, selected: &[usize], most: usize) -> Result<Vec<Vec<Spare>>, SelectionError> {
+    instance.check(selected)?;
     if most == 0 {
-        return vec![vec![]; selected.len()];
+        return Ok(vec![vec![]; selected.len()]);
     }
     let best = |(&leaving, bounds): (&usize, Vec<f64>)| {
         if instance.is_open(leaving) { spares_for(instance, selected, leaving, &bounds, most) } else { vec![] }
     };
-    selected.par_iter().zip(replacement_bounds(instance, selected)).map(best).collect()
+    Ok(selected.par_iter().zip(replacement_bounds(instance, selected)).map(best).collect())
 }
 
 /// The spares of the member `leaving`, from `bounds` of what log Φ can be with each candidate in its place.
@@ -157,7 +166,7 @@ mod tests {
             let term = Term { candidates: &candidates, prior: None, function, share: 1.0 };
             let instance = Instance::constrained(&[term], count, constraints).unwrap();
             let selected = crate::selection::greedy(&instance).unwrap();
-            let found = spares(&instance, &selected, 5);
+            let found = spares(&instance, &selected, 5).unwrap();
             for (place, &leaving) in selected.iter().enumerate() {
                 let mut expected: Vec<Spare> = (0..n)
                     .filter(|&j| instance.is_open(leaving) && instance.is_open(j) && !selected.contains(&j))
@@ -172,7 +181,7 @@ mod tests {
                 expected.truncate(5);
                 assert_eq!(found[place], expected, "{round} {leaving}");
             }
-            let without = without_each(&instance, &selected);
+            let without = without_each(&instance, &selected).unwrap();
             assert_eq!(without.len(), count);
             assert_eq!(without.contains(&f64::NEG_INFINITY), count == p, "{without:?}");
         }

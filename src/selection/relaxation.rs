@@ -24,6 +24,7 @@ use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
 use super::certificate::Certificate;
+use super::error::SelectionError;
 use super::function::Curvature;
 use super::function::Gradient;
 use super::greedy::highest;
@@ -81,8 +82,38 @@ const SOFTNESS: f64 = 0.3;
 const SOFTNESS_FACTOR: f64 = 0.1;
 
 /// Solves the relaxation of `instance`, starting with equal weights on the candidates `start`, at least as many as are to be
-/// selected; `None` if that is singular.
-pub fn relax(instance: &Instance, start: &[usize], settings: &RelaxationSettings) -> Option<Relaxation> {
+/// selected.
+///
+/// ```
+/// use calipose::selection::{InformationFunction, InformationSet, Instance, RelaxationSettings, improved_greedy, relax};
+/// use nalgebra::DMatrix;
+///
+/// let along = |x: f64, y: f64| DMatrix::from_row_slice(2, 2, &[x * x, x * y, x * y, y * y]);
+/// let views = InformationSet::from_matrices(2, &[along(1.0, 0.0), along(0.0, 1.0), along(1.0, 1.0)])?;
+/// let instance = Instance::new(&views, None, &InformationFunction::Determinant, 2)?;
+/// let start = improved_greedy(&instance)?;
+/// let relaxation = relax(&instance, &start, &RelaxationSettings::default())?;
+/// let weights: f64 = relaxation.weights.iter().map(|(_, weight)| weight).sum();
+/// assert!((weights - 2.0).abs() < 1e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// When the start is too few, no candidates, or leaves a combination of the parameters undetermined.
+pub fn relax(
+    instance: &Instance,
+    start: &[usize],
+    settings: &RelaxationSettings,
+) -> Result<Relaxation, SelectionError> {
+    instance.check(start)?;
+    if start.len() < instance.count() {
+        return Err(SelectionError::TooFew { count: instance.count(), found: start.len() });
+    }
+    relaxed(instance, start, settings).ok_or_else(|| instance.unobservable(start))
+}
+
+/// The relaxation; `None` if the start is singular.
+fn relaxed(instance: &Instance, start: &[usize], settings: &RelaxationSettings) -> Option<Relaxation> {
     let smooth = instance.is_smooth();
     let tolerance =
         if smooth { settings.tolerance } else { settings.tolerance.max(RelaxationSettings::KINK_TOLERANCE) };

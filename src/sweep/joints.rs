@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use thiserror::Error;
+
 use crate::robot::{Limits, Span};
 
 /// A finite set of joint configurations, numbered from 0.
@@ -32,6 +34,27 @@ struct Axis {
 pub struct HaltonSample {
     limits: Vec<Limits>,
     len: usize,
+}
+
+/// Why steps make no grid.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum GridError {
+    /// Not one a joint.
+    #[error("{steps} steps are given for {joints} joints; a grid needs one for each")]
+    Steps {
+        /// Number of joints.
+        joints: usize,
+        /// Number of steps.
+        steps: usize,
+    },
+    /// A step is not positive.
+    #[error("the step of joint {joint}, counted from 0, is {step}; it must be positive and finite")]
+    Step {
+        /// The joint, from 0.
+        joint: usize,
+        /// Its step, rad or m.
+        step: f64,
+    },
 }
 
 impl JointSpace {
@@ -98,7 +121,21 @@ impl JointGrid {
     ///
     /// Both ends belong to the grid where the step divides the range, rounding errors of 10⁻⁹ steps forgiven, and they are not one
     /// place.
-    pub fn new(spans: &[Span], steps: &[f64]) -> Self {
+    ///
+    /// # Errors
+    /// When there are more or fewer steps than joints, or one is not positive and finite.
+    pub fn new(spans: &[Span], steps: &[f64]) -> Result<Self, GridError> {
+        if spans.len() != steps.len() {
+            return Err(GridError::Steps { joints: spans.len(), steps: steps.len() });
+        }
+        match steps.iter().position(|step| !(step.is_finite() && *step > 0.0)) {
+            Some(joint) => Err(GridError::Step { joint, step: steps[joint] }),
+            None => Ok(Self::of(spans, steps)),
+        }
+    }
+
+    /// As [`JointGrid::new`], of steps known to be right.
+    pub(crate) fn of(spans: &[Span], steps: &[f64]) -> Self {
         let joints = spans.iter().zip(steps).map(|(Span { limits, is_turn }, &step)| {
             let last = ((limits.max - limits.min) / step + 1e-9).floor();
             let again = *is_turn && last * step > TAU - 1e-9;
@@ -187,7 +224,7 @@ mod tests {
 
     fn grid(limits: &[Limits], steps: &[f64]) -> JointGrid {
         let spans: Vec<Span> = limits.iter().map(|&limits| Span { limits, is_turn: false }).collect();
-        JointGrid::new(&spans, steps)
+        JointGrid::new(&spans, steps).unwrap()
     }
 
     #[test]
@@ -207,6 +244,13 @@ mod tests {
     }
 
     #[test]
+    fn every_joint_has_a_positive_step() {
+        let spans = [Span { limits: Limits::FULL_TURN, is_turn: false }; 2];
+        assert_eq!(JointGrid::new(&spans, &[0.1]), Err(GridError::Steps { joints: 2, steps: 1 }));
+        assert_eq!(JointGrid::new(&spans, &[0.1, 0.0]), Err(GridError::Step { joint: 1, step: 0.0 }));
+    }
+
+    #[test]
     fn a_fixed_joint_has_one_value() {
         assert_eq!(grid(&[degrees(5.0, 5.0)], &[1.0]).counts(), [1]);
     }
@@ -214,7 +258,7 @@ mod tests {
     #[test]
     fn a_whole_turn_has_its_first_place_once() {
         let turn = Span { limits: Limits::FULL_TURN, is_turn: true };
-        let counts = |degrees: f64| JointGrid::new(&[turn], &[degrees.to_radians()]).counts()[0];
+        let counts = |degrees: f64| JointGrid::new(&[turn], &[degrees.to_radians()]).unwrap().counts()[0];
         // At 7° the last value is 3° short of the first; at 400° there is only one.
         assert_eq!([10.0, 7.0, 0.1, 360.0, 400.0].map(counts), [36, 52, 3600, 1, 1]);
         assert_eq!(grid(&[Limits::FULL_TURN], &[10f64.to_radians()]).counts(), [37]);

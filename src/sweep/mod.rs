@@ -7,7 +7,7 @@
 
 mod joints;
 
-pub use joints::{HaltonSample, JointGrid, JointSpace};
+pub use joints::{GridError, HaltonSample, JointGrid, JointSpace};
 
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;

@@ -109,7 +109,7 @@ impl House {
             };
             rest += before;
             for (name, path) in branches(tree, &[]) {
-                let path = self.from_root(module, path);
+                let path = self.rooted(module, path);
                 if visible {
                     handed_on.push((name, path));
                 } else {
@@ -126,7 +126,7 @@ impl House {
                 }
                 let end = rest[at..].find(|c| !is_word(c) && c != ':').map_or(rest.len(), |length| at + length);
                 let path = rest[at..end].trim_end_matches(':').split("::").map(String::from).collect();
-                named.insert(self.from_root(module, path));
+                named.insert(self.rooted(module, path));
             }
         }
         self.named.insert(module.clone(), named);
@@ -134,7 +134,7 @@ impl House {
     }
 
     /// A path as it stands in a module, from the root; what is of other crates keeps its name, which no module has.
-    fn from_root(&self, module: &Module, path: Vec<String>) -> Vec<String> {
+    fn rooted(&self, module: &Module, path: Vec<String>) -> Vec<String> {
         let mut base = module.clone();
         let mut parts = path.into_iter().peekable();
         match parts.peek().map(String::as_str) {

@@ -100,7 +100,7 @@ fn time(n: usize) {
     let (instance, checked) =
         timed(|| Instance::new(&candidates, None, &InformationFunction::Determinant, 20).expect("a regular instance"));
     let (picked, greedy_time) = timed(|| greedy(&instance).expect("regular sets"));
-    let (swapped, exchange_time) = timed(|| exchange(&instance, picked.clone()));
+    let (swapped, exchange_time) = timed(|| exchange(&instance, picked.clone()).expect("a selection"));
     let settings = RelaxationSettings { tolerance: 1e-6, ..RelaxationSettings::default() };
     let (relaxed, relaxed_time) = timed(|| relax(&instance, &picked, &settings).expect("regular start"));
     let value = instance.log_value(&instance.total(&swapped));

@@ -84,7 +84,7 @@ fn curve_point(chooser: &Chooser, plan: &Choice, count: usize) -> Result<Option<
     // The relaxation may start anywhere that determines everything, with more poses than it is to choose.
     let start = found.as_ref().or_else(|| (plan.selected.len() >= count).then_some(&plan.selected));
     let settings = RelaxationSettings { tolerance: CURVE_TOLERANCE, ..RelaxationSettings::default() };
-    let relaxation = start.and_then(|start| relax(&instance, start, &settings));
+    let relaxation = start.and_then(|start| relax(&instance, start, &settings).ok());
     let mut best = found.map(|selected| chooser.assess(selected));
     if plan.selected.len() == count && best.as_ref().is_none_or(|best| best.log_value < plan.log_value) {
         best = Some(plan.clone());
@@ -150,7 +150,7 @@ fn poses(
             spares: found.into_iter().map(|found| spare(found.candidate)).collect(),
         }
     };
-    let found = spares(&instance, &plan.selected, spare_count);
+    let found = spares(&instance, &plan.selected, spare_count).map_err(PlanError::Selection)?;
     Ok(plan.selected.par_iter().zip(found).map(explain_pose).collect())
 }
 

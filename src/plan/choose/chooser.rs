@@ -203,8 +203,7 @@ impl<'a> Chooser<'a> {
     pub fn certificate(&self, count: usize) -> Result<Certificate, PlanError> {
         let instance = self.instance(count)?;
         let start = improved_greedy(&instance).map_err(|e| self.explain(e))?;
-        let relaxation = relax(&instance, &start, &self.settings);
-        let relaxation = relaxation.ok_or_else(|| self.explain(instance.unobservable(&start)))?;
+        let relaxation = relax(&instance, &start, &self.settings).map_err(|e| self.explain(e))?;
         Ok(relaxation.certificate)
     }
 
@@ -221,8 +220,7 @@ impl<'a> Chooser<'a> {
             }
             Method::Relaxation => {
                 let start = improved()?;
-                let relaxation = relax(&instance, &start, &self.settings);
-                let relaxation = relaxation.ok_or_else(|| self.explain(instance.unobservable(&start)))?;
+                let relaxation = relax(&instance, &start, &self.settings).map_err(|e| self.explain(e))?;
                 relaxation.rounded(&instance).unwrap_or(start)
             }
             Method::Exchange => improved()?,

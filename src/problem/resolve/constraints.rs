@@ -55,7 +55,7 @@ impl Check<'_, '_> {
         if found != expected && !joints.is_empty() {
             self.fault(&q.path, Reason::Length { found, expected, per: "joint" });
         }
-        q.value.iter().zip(joints).map(|(&value, joint)| joint.kind.from_display(value)).collect()
+        q.value.iter().zip(joints).map(|(&value, joint)| joint.kind.in_si(value)).collect()
     }
 
     fn groups(&mut self, groups: &At<Vec<schema::Group>>, joints: &[Joint]) -> Vec<PoseGroup> {
@@ -90,7 +90,7 @@ impl Check<'_, '_> {
             if !(min <= max && min.is_finite() && max.is_finite()) {
                 self.fault(&range.path, Reason::Reversed { min, max });
             }
-            region.push((j, Limits { min: joints[j].kind.from_display(min), max: joints[j].kind.from_display(max) }));
+            region.push((j, Limits { min: joints[j].kind.in_si(min), max: joints[j].kind.in_si(max) }));
         }
         JointRegion(region)
     }

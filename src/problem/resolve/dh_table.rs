@@ -111,7 +111,7 @@ impl Check<'_, '_> {
                 (limits, max_speed_mm_s.given().map(|speed| self.length(&speed, SPEED)))
             }
         };
-        let [min, max] = limits.map(|limit| kind.from_display(limit));
+        let [min, max] = limits.map(|limit| kind.in_si(limit));
         Row {
             name: joint.value.name.clone(),
             kind,

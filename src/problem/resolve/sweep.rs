@@ -33,7 +33,7 @@ impl Check<'_, '_> {
             if self.faults.len() > faults {
                 return None;
             }
-            (path, JointSpace::Grid(JointGrid::new(&spans, &steps)))
+            (path, JointSpace::Grid(JointGrid::of(&spans, &steps)))
         } else {
             let sample = sample.or(&DEFAULT_SAMPLE);
             if *sample.value == 0 {

@@ -134,10 +134,10 @@ impl Check<'_, '_> {
                 let [min, max] = self.range(&range, allowed);
                 let Some(joint) = self.described_joint(&range.path, name, kind, mechanism) else { continue };
                 given[joint] = true;
-                let mut limits = Limits { min: kind.from_display(min), max: kind.from_display(max) };
+                let mut limits = Limits { min: kind.in_si(min), max: kind.in_si(max) };
                 let bounds = ranges[joint].bounds();
                 // Forgiving what numbers lose that are written to a thousandth.
-                let slack = kind.from_display(1e-3);
+                let slack = kind.in_si(1e-3);
                 if limits.min >= bounds.min - slack && limits.max <= bounds.max + slack {
                     limits = Limits { min: limits.min.max(bounds.min), max: limits.max.min(bounds.max) };
                 } else {
@@ -225,7 +225,7 @@ impl Check<'_, '_> {
                 if let Some(joint) = self.described_joint(&value.path, name, kind, mechanism) {
                     let unlimited = ranges[joint].is_blank() && !given[joint];
                     let allowed = if unlimited { any } else { allowed_values(&mechanism.joints[joint]) };
-                    held[joint] = Some(kind.from_display(self.number(&value, allowed)));
+                    held[joint] = Some(kind.in_si(self.number(&value, allowed)));
                 }
             }
         }

@@ -62,6 +62,19 @@ impl Block<'_> {
 impl<'a> Instance<'a> {
     /// An instance with one term and no constraints; `prior` is the p×p information M₀ already at hand, or `None`.
     ///
+    /// ```
+    /// use calipose::selection::{InformationFunction, InformationSet, Instance, SelectionError};
+    /// use nalgebra::DMatrix;
+    ///
+    /// let views = InformationSet::from_matrices(2, &[DMatrix::identity(2, 2), DMatrix::identity(2, 2)])?;
+    /// let instance = Instance::new(&views, None, &InformationFunction::Determinant, 1)?;
+    /// assert_eq!((instance.len(), instance.count()), (2, 1));
+    /// let prior = DMatrix::identity(3, 3);
+    /// let refused = Instance::new(&views, Some(&prior), &InformationFunction::Determinant, 1).unwrap_err();
+    /// assert_eq!(refused, SelectionError::Order { what: "prior", expected: 2, found: 3 });
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// As [`Instance::constrained`].
     pub fn new(
@@ -199,10 +212,23 @@ impl<'a> Instance<'a> {
     }
 
     /// `total += weight · M_i`.
-    pub fn add_to(&self, total: &mut [f64], i: usize, weight: f64) {
+    pub(crate) fn add_to(&self, total: &mut [f64], i: usize, weight: f64) {
         for block in &self.blocks {
             block.candidates.add_to(&mut total[block.place.clone()], i, weight);
         }
+    }
+
+    /// Checks that what a caller selected are candidates, each of them once.
+    pub(crate) fn check(&self, selected: &[usize]) -> Result<(), SelectionError> {
+        let mut is_in = vec![false; self.len()];
+        for &candidate in selected {
+            let place = is_in.get_mut(candidate);
+            let place = place.ok_or(SelectionError::OutOfRange { candidate, candidates: self.len() })?;
+            if std::mem::replace(place, true) {
+                return Err(SelectionError::Twice { candidate });
+            }
+        }
+        Ok(())
     }
 
     /// Whether a selection leaves a combination of the parameters undetermined.
@@ -236,7 +262,7 @@ impl<'a> Instance<'a> {
     }
 
     /// `log Φ°(Y)` of the terms' matrices Y ⪰ 0; −∞ where it bounds nothing.
-    pub fn log_polar(&self, gradient: &Gradient) -> f64 {
+    pub(crate) fn log_polar(&self, gradient: &Gradient) -> f64 {
         let mut mixture = gradient.mixture.as_slice();
         let mut sum = 0.0;
         for block in &self.blocks {
@@ -267,7 +293,7 @@ impl<'a> Instance<'a> {
     }
 
     /// Scores `⟨Y, M_i⟩` of all candidates.
-    pub fn scores(&self, y: &[f64]) -> Vec<f64> {
+    pub(crate) fn scores(&self, y: &[f64]) -> Vec<f64> {
         let mut scores = vec![0.0; self.len()];
         for block in &self.blocks {
             block.candidates.add_scores(&y[block.place.clone()], &mut scores);
@@ -276,7 +302,7 @@ impl<'a> Instance<'a> {
     }
 
     /// Scores of all candidates by each of several matrices Y.
-    pub fn scores_by_each(&self, ys: &[&[f64]]) -> Vec<Vec<f64>> {
+    pub(crate) fn scores_by_each(&self, ys: &[&[f64]]) -> Vec<Vec<f64>> {
         let mut scores = vec![vec![0.0; self.len()]; ys.len()];
         for block in &self.blocks {
             let ys: Vec<&[f64]> = ys.iter().map(|y| &y[block.place.clone()]).collect();
@@ -286,7 +312,7 @@ impl<'a> Instance<'a> {
     }
 
     /// Scores `⟨Y, M_i⟩` of some candidates.
-    pub fn scores_of(&self, y: &[f64], candidates: &[usize]) -> Vec<f64> {
+    pub(crate) fn scores_of(&self, y: &[f64], candidates: &[usize]) -> Vec<f64> {
         let dual = self.dual(y);
         candidates.iter().map(|&i| self.products(&dual, i).sum()).collect()
     }

@@ -104,7 +104,7 @@ impl InformationSet {
 
     /// The set of `D M_i D`, D = diag(`scale`): the matrices for parameters in units of `scale`.
     #[must_use]
-    pub fn scaled(&self, scale: &[f64]) -> Self {
+    pub(crate) fn scaled(&self, scale: &[f64]) -> Self {
         let factors: Vec<f64> =
             (0..self.order).flat_map(|i| (0..=i).map(move |j| (i, j))).map(|(i, j)| scale[i] * scale[j]).collect();
         let mut table = self.table.clone();
@@ -117,6 +117,17 @@ impl InformationSet {
     }
 
     /// A set of p×p matrices, all of the order `order`.
+    ///
+    /// ```
+    /// use calipose::selection::{InformationError, InformationSet};
+    /// use nalgebra::DMatrix;
+    ///
+    /// let views = InformationSet::from_matrices(2, &[DMatrix::identity(2, 2)])?;
+    /// assert_eq!((views.len(), views.order()), (1, 2));
+    /// let refused = InformationSet::from_matrices(2, &[DMatrix::identity(3, 3)]).unwrap_err();
+    /// assert_eq!(refused, InformationError::Order { candidate: 0, rows: 3, columns: 3, order: 2 });
+    /// # Ok::<(), InformationError>(())
+    /// ```
     ///
     /// # Errors
     /// When a matrix is of another order, and as [`InformationSet::from_packed`].
@@ -162,7 +173,7 @@ impl InformationSet {
     }
 
     /// `sum += weight · M_i`, packed.
-    pub fn add_to(&self, sum: &mut [f64], i: usize, weight: f64) {
+    pub(crate) fn add_to(&self, sum: &mut [f64], i: usize, weight: f64) {
         for (sum, entry) in sum.iter_mut().zip(self.packed(i)) {
             *sum += weight * entry;
         }
@@ -197,7 +208,7 @@ impl InformationSet {
 
     /// `scores[i] += ⟨Y, M_i⟩` for every candidate; `y` is packed. The result does not depend on the number of
     /// threads.
-    pub fn add_scores(&self, y: &[f64], scores: &mut [f64]) {
+    pub(crate) fn add_scores(&self, y: &[f64], scores: &mut [f64]) {
         let q = packed_len(self.order);
         let weights = dual(y.to_vec(), self.order);
         let rows = self.table.par_chunks(ROWS_PER_TASK * q);
@@ -208,7 +219,7 @@ impl InformationSet {
     }
 
     /// As [`InformationSet::add_scores`] by each of several matrices Y, `scores` beside them: the table is read once for all.
-    pub fn add_scores_by_each(&self, ys: &[&[f64]], scores: &mut [Vec<f64>]) {
+    pub(crate) fn add_scores_by_each(&self, ys: &[&[f64]], scores: &mut [Vec<f64>]) {
         let q = packed_len(self.order);
         let weights: Vec<f64> = ys.iter().flat_map(|y| dual(y.to_vec(), self.order)).collect();
         let weights = MatRef::from_column_major_slice(&weights, q, ys.len());

@@ -22,7 +22,7 @@ pub fn unpack(packed: &[f64], p: usize) -> DMatrix<f64> {
 }
 
 /// The packed symmetric matrix with doubled off-diagonal entries: its dot product with a packed M is `⟨Y, M⟩`.
-pub fn dual(mut packed: Vec<f64>, p: usize) -> Vec<f64> {
+pub(crate) fn dual(mut packed: Vec<f64>, p: usize) -> Vec<f64> {
     for i in 0..p {
         for entry in &mut packed[packed_len(i)..packed_len(i) + i] {
             *entry *= 2.0;
@@ -54,7 +54,7 @@ pub fn cholesky(m: &mut [f64], p: usize) -> bool {
 }
 
 /// Relative size of what rounding leaves uncertain in the entries of a sum of information matrices, `√(m_ii m_jj)` being one.
-pub const RESOLUTION: f64 = 1e-13;
+pub(crate) const RESOLUTION: f64 = 1e-13;
 
 /// Whether the matrix of a Cholesky factor is positive definite beyond rounding: scaled to a unit diagonal, so that units do
 /// not decide, its least eigenvalue exceeds [`RESOLUTION`].
@@ -62,7 +62,7 @@ pub const RESOLUTION: f64 = 1e-13;
 /// The trace of the scaled inverse, at least `1 / λ_min`, is the sum of the variance inflations `m_ii (M⁻¹)_ii`: how much more
 /// uncertain a parameter is than it were if the others were known. The scaled determinant spares most matrices the inverse,
 /// for it is below `e λ_min`.
-pub fn is_resolved(l: &[f64], p: usize) -> bool {
+pub(crate) fn is_resolved(l: &[f64], p: usize) -> bool {
     let row = |i: usize| &l[packed_len(i)..=packed_len(i) + i];
     let determinant: f64 = (0..p).map(|i| row(i)[i] * row(i)[i] / dot(row(i), row(i))).product();
     if determinant > std::f64::consts::E * p as f64 * RESOLUTION {
@@ -96,7 +96,7 @@ pub(crate) fn inverse_of_factor(l: &[f64], p: usize) -> DMatrix<f64> {
 }
 
 /// `log det M` of a Cholesky factor.
-pub fn log_det(l: &[f64], p: usize) -> f64 {
+pub(crate) fn log_det(l: &[f64], p: usize) -> f64 {
     // One logarithm for all: the product of few pivots of a scaled matrix neither over- nor underflows in practice,
     // and is taken apart where it would.
     let product: f64 = (0..p).map(|i| l[packed_len(i) + i]).product();
@@ -104,7 +104,7 @@ pub fn log_det(l: &[f64], p: usize) -> f64 {
 }
 
 /// `x ← L⁻¹ x`.
-pub fn solve_lower(l: &[f64], p: usize, x: &mut [f64]) {
+pub(crate) fn solve_lower(l: &[f64], p: usize, x: &mut [f64]) {
     for i in 0..p {
         let row = &l[packed_len(i)..=packed_len(i) + i];
         x[i] = (x[i] - dot(&row[..i], &x[..i])) / row[i];
@@ -112,7 +112,7 @@ pub fn solve_lower(l: &[f64], p: usize, x: &mut [f64]) {
 }
 
 /// `x ← L⁻ᵀ x`.
-pub fn solve_lower_transposed(l: &[f64], p: usize, x: &mut [f64]) {
+pub(crate) fn solve_lower_transposed(l: &[f64], p: usize, x: &mut [f64]) {
     for i in (0..p).rev() {
         let row = &l[packed_len(i)..=packed_len(i) + i];
         x[i] /= row[i];

@@ -6,7 +6,7 @@ use super::{SearchEnd, SearchProgress, search};
 use crate::selection::best::{Best, best};
 use crate::selection::certificate::Certificate;
 use crate::selection::error::SelectionError;
-use crate::selection::exchange::exchange;
+use crate::selection::exchange::improved;
 use crate::selection::function::Gradient;
 use crate::selection::greedy::greedy;
 use crate::selection::instance::Instance;
@@ -56,6 +56,22 @@ impl From<SelectionError> for NotEnough {
 ///
 /// From below by the relaxation: a number whose bound is under the level does not suffice, nor do fewer. From above by
 /// selecting. Between the two by a search for each number that is open, `node_limit` nodes in all, or until `observe` breaks.
+///
+/// ```
+/// use std::ops::ControlFlow;
+///
+/// use calipose::selection::{InformationFunction, InformationSet, Instance, RelaxationSettings, fewest};
+/// use nalgebra::DMatrix;
+///
+/// // How many unit measurements of one number make its variance a third?
+/// let views = InformationSet::from_matrices(1, &vec![DMatrix::identity(1, 1); 5])?;
+/// let variance = InformationFunction::variance(&DMatrix::identity(1, 1));
+/// let instance = Instance::new(&views, None, &variance, 1)?;
+/// let (level, observe) = (2.999f64.ln(), &mut |_: &_| ControlFlow::Continue(()));
+/// let found = fewest(&instance, level, 5, &RelaxationSettings::default(), 0, 1000, observe).expect("five suffice");
+/// assert_eq!((found.best.selected.len(), found.least), (3, 3));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// When not even `most` suffice, or nothing can be selected.
@@ -107,7 +123,7 @@ impl Quest<'_> {
             match greedy(&larger) {
                 Ok(selected) if reaches(&selected) => return Ok(selected),
                 Ok(selected) if count == most => {
-                    let improved = exchange(&larger, selected);
+                    let improved = improved(&larger, selected);
                     if reaches(&improved) {
                         return Ok(improved);
                     }
@@ -161,7 +177,8 @@ impl Quest<'_> {
         }
         let of = |count: usize| {
             let gradient = Gradient { y: y.clone(), mixture: mixture.clone() };
-            Some(Certificate::new(&self.instance.with_count(count).ok()?, gradient, prices.clone()).log_bound)
+            let fewer = self.instance.with_count(count).ok()?;
+            Some(Certificate::new(&fewer, gradient, prices.clone()).ok()?.log_bound)
         };
         (self.fewest_allowed()..most).filter_map(of).fold(*log_bound, f64::max)
     }
@@ -176,7 +193,7 @@ impl Quest<'_> {
             let middle = usize::midpoint(short, least);
             let relaxed = relax(&self.instance.with_count(middle)?, enough, self.settings);
             match relaxed.map(|relaxed| relaxed.certificate) {
-                Some(certificate) if certificate.log_bound < self.level => {
+                Ok(certificate) if certificate.log_bound < self.level => {
                     short = middle;
                     refutation = Some(Refutation { certificate, nodes: 0 });
                 }

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 use super::best::{Best, best, first_allowed};
 use super::error::SelectionError;
-use super::exchange::exchange;
+use super::exchange::improved;
 use super::function::Gradient;
 use super::greedy;
 use super::instance::Instance;
@@ -114,7 +114,7 @@ impl Ord for Node {
 pub fn start_of_search(instance: &Instance, settings: &RelaxationSettings, seed: u64) -> Result<Best, SelectionError> {
     match best(instance, settings, seed) {
         Err(error @ SelectionError::Unobservable { .. }) if instance.can_be_regular() => {
-            let selected = exchange(instance, greedy::start(instance)?);
+            let selected = improved(instance, greedy::start(instance)?);
             let relaxation = relaxed_from_many(instance, settings).ok_or(error)?;
             Ok(Best { selected, log_value: f64::NEG_INFINITY, relaxation })
         }
@@ -128,7 +128,7 @@ fn relaxed_from_many(instance: &Instance, settings: &RelaxationSettings) -> Opti
     loop {
         many = (2 * many).min(instance.len());
         let spaced: Vec<usize> = (0..many).map(|c| c * instance.len() / many).collect();
-        let relaxation = relax(instance, &spaced, settings);
+        let relaxation = relax(instance, &spaced, settings).ok();
         if relaxation.is_some() || many == instance.len() {
             return relaxation;
         }
@@ -137,6 +137,23 @@ fn relaxed_from_many(instance: &Instance, settings: &RelaxationSettings) -> Opti
 
 /// Searches for the best selection, starting from `start`, until it is proven, `node_limit` nodes are worked on, or
 /// `observe` breaks. Selections whose log Φ is below `least_wanted` are of no interest and count as impossible.
+///
+/// ```
+/// use std::ops::ControlFlow;
+///
+/// use calipose::selection::{
+///     InformationFunction, InformationSet, Instance, RelaxationSettings, SearchEnd, search, start_of_search,
+/// };
+/// use nalgebra::DMatrix;
+///
+/// let along = |x: f64, y: f64| DMatrix::from_row_slice(2, 2, &[x * x, x * y, x * y, y * y]);
+/// let views = InformationSet::from_matrices(2, &[along(2.0, 0.0), along(0.0, 2.0), along(1.0, 1.0)])?;
+/// let instance = Instance::new(&views, None, &InformationFunction::Determinant, 2)?;
+/// let start = start_of_search(&instance, &RelaxationSettings::default(), 0)?;
+/// let found = search(&instance, &start, f64::NEG_INFINITY, 1000, &mut |_| ControlFlow::Continue(()));
+/// assert_eq!((found.selected, found.end), (vec![0, 1], SearchEnd::Optimal));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn search(
     instance: &Instance,
     start: &Best,
@@ -400,7 +417,7 @@ fn rounded(
     let selected = first_allowed(instance, included, &order)?;
     let value = instance.log_value(&instance.total(&selected));
     if value > threshold {
-        let improved = exchange(instance, selected.clone());
+        let improved = improved(instance, selected.clone());
         let better = instance.log_value(&instance.total(&improved));
         return Some(if better > value { (better, improved) } else { (value, selected) });
     }

@@ -406,7 +406,7 @@ fn worst(weights: &[DMatrix<f64>], covariance: &DMatrix<f64>) -> (usize, f64) {
     variances.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, f64::NAN))
 }
 
-/// `2 log tr (LᵀYL)^½` for W = L Lᵀ. The trace is the sum of the singular values of RᵀL for Y = R Rᵀ; the solver works with their
+/// `2 log tr (LᵀYL)^½` for W = L Lᵀ. The trace is the sum of the singular values of `RᵀL` for `Y = R Rᵀ`; the solver works with their
 /// squares, and so has the rounding of these.
 fn log_polar_of_variance(W: &DMatrix<f64>, Y: &DMatrix<f64>, shift: f64) -> f64 {
     let (L, R) = (square_root(W, 0.0), square_root(Y, shift));
