@@ -86,7 +86,10 @@ const ROOMS: [(&str, &[&str]); 17] = [
     ),
     ("plan", &["survey", "choose", "document", "results", "assess"]),
     ("plan::survey", &["contacts", "refine", "smell", "diagnosis"]),
-    ("plan::choose", &["baseline", "choice", "constraints", "error", "objective", "chooser", "candidates", "decide"]),
+    (
+        "plan::choose",
+        &["baseline", "choice", "constraints", "error", "objective", "chooser", "refined_survey", "decide"],
+    ),
     ("plan::document", &["header", "plan", "problem", "answers", "refusal", "kind"]),
     (
         "plan::assess",
@@ -104,7 +107,7 @@ const ROOMS: [(&str, &[&str]); 17] = [
             "certify",
         ],
     ),
-    ("cli", &["interrupt", "output", "arguments", "memory", "searching", "loaded_plan", "command"]),
+    ("cli", &["interrupt", "output", "arguments", "memory", "long_work", "loaded_plan", "command"]),
 ];
 
 /// Crates that read files or talk to people, and the modules that may.

@@ -125,17 +125,17 @@ fn every_method_and_criterion_can_be_asked_for() {
 #[test]
 fn the_candidates_are_the_same_in_both_formats() {
     let desk = Desk::new();
-    let views = desk.json("plan coarse.toml --json --candidates csv -o out")["survey"]["views"].as_u64().unwrap();
-    assert_eq!(desk.stdout("plan coarse.toml --quiet --candidates parquet -o table"), "");
+    let views = desk.json("plan coarse.toml --json --views csv -o out")["survey"]["views"].as_u64().unwrap();
+    assert_eq!(desk.stdout("plan coarse.toml --quiet --views parquet -o table"), "");
     let others = ["plan.csv", "plan.json", "run.json", "verification.json"];
-    assert_eq!(desk.files("out"), [&["candidates.csv"][..], &others].concat());
-    assert_eq!(desk.files("table"), [&["candidates.parquet"][..], &others].concat());
+    assert_eq!(desk.files("out"), [&["views.csv"][..], &others].concat());
+    assert_eq!(desk.files("table"), [&["views.parquet"][..], &others].concat());
 
-    let (header, rows) = read_csv(&desk.path("out/candidates.csv"));
+    let (header, rows) = read_csv(&desk.path("out/views.csv"));
     assert_eq!(rows.len() as u64, views);
     assert_eq!(header[..5], ["id", "joint_waist_rad", "joint_shoulder_rad", "joint_elbow_rad", "joint_neck_rad"]);
     assert_eq!(header.len(), 1 + 4 + 7 + 3 + 2);
-    let file = std::fs::File::open(desk.path("table/candidates.parquet")).unwrap();
+    let file = std::fs::File::open(desk.path("table/views.parquet")).unwrap();
     let reader = SerializedFileReader::new(file).unwrap();
     let mut read = 0;
     for (record, row) in reader.get_row_iter(None).unwrap().zip(&rows) {
@@ -235,7 +235,7 @@ fn wrong_command_lines_end_with_two() {
         ("reach coarse.toml --distance-mm -500", "--distance-mm must be positive"),
         ("reach coarse.toml --distance-mm 500 --tilt-deg -5", "--tilt-deg must be at least 0"),
         ("sweep coarse.toml --step -8", "step"),
-        ("plan coarse.toml --candidates xlsx", "parquet"),
+        ("plan coarse.toml --views xlsx", "parquet"),
         ("compare coarse.toml --seeds 0", "at least 1"),
         ("compare coarse.toml -k 0", "at least 1"),
         ("sweep coarse.toml --step 0", "step"),
@@ -392,7 +392,7 @@ fn help_and_version_are_there() {
     let desk = Desk::new();
     assert!(desk.stdout("--help").contains("Exit codes: 0 done"));
     let help = desk.stdout("plan --help");
-    assert!(help.contains("--candidates"));
+    assert!(help.contains("--views"));
     assert!(help.contains("branch and bound") && help.contains("confidence ellipsoid"), "{help}");
     assert_eq!(desk.stdout("--version").trim(), format!("calipose {}", env!("CARGO_PKG_VERSION")));
 }
@@ -524,8 +524,8 @@ fn a_robot_that_cannot_move_the_camera_gets_an_answer() {
 #[test]
 fn what_told_of_an_earlier_plan_does_not_stay_beside_a_new_one() {
     let desk = Desk::new();
-    desk.stdout("plan coarse.toml -q -k 10 --trials 2 --candidates csv -o out");
-    assert!(desk.files("out").contains(&"candidates.csv".to_owned()));
+    desk.stdout("plan coarse.toml -q -k 10 --trials 2 --views csv -o out");
+    assert!(desk.files("out").contains(&"views.csv".to_owned()));
     desk.stdout("plan coarse.toml -q -k 12 --trials 0 -o out");
     assert_eq!(desk.files("out"), ["plan.csv", "plan.json", "run.json"]);
 }

@@ -12,7 +12,7 @@ use std::path::Path;
 
 use calipose::information::Criterion;
 use calipose::plan::assess::{BrokenConstraint, CertifyError, Confirmed, certify};
-use calipose::plan::choose::{Chooser, Decision, candidates, decide};
+use calipose::plan::choose::{Chooser, Decision, decide, refined_survey};
 use calipose::plan::document::{Document, Plan};
 use calipose::plan::survey::Survey;
 use calipose::problem::{Goal, JointRegion, Method, PoseGroup, Problem, ProblemError};
@@ -51,7 +51,7 @@ fn made(problem: &Problem, survey: &Survey) -> Option<Plan> {
 
 impl Planned {
     fn new(problem: Problem) -> Self {
-        let survey = candidates(&problem, &|_| {}).unwrap();
+        let survey = refined_survey(&problem, &|_| {}).unwrap();
         let plan = made(&problem, &survey).unwrap();
         Self { problem, survey, plan }
     }
@@ -215,7 +215,7 @@ fn every_change_of_a_proven_optimum_is_noticed() {
 fn a_plan_for_accuracies_that_proves_less_than_it_says_is_noticed() {
     let accuracy = ("criterion = \"v\"\nmethod = \"best\"\ncount = 10", "accuracy = { map_error_px = 3.2, fx = 4.5 }");
     let problem = problem("servosila-engineer", &[COARSE, accuracy], "");
-    let survey = candidates(&problem, &|_| {}).unwrap();
+    let survey = refined_survey(&problem, &|_| {}).unwrap();
     let chooser = Chooser::new(&problem, &survey).unwrap();
     let (made, chooser) = decide(&problem, chooser, &mut |_| ControlFlow::Continue(())).unwrap();
     let count = made.choice.selected.len();
@@ -344,7 +344,7 @@ fn honest_plans_of_all_cameras_hold_and_what_is_beyond_the_tolerance_is_noticed(
             ) else {
                 continue;
             };
-            let Ok(survey) = candidates(&problem, &|_| {}) else { continue };
+            let Ok(survey) = refined_survey(&problem, &|_| {}) else { continue };
             for criterion in Criterion::ALL {
                 let mut asked = problem.clone();
                 asked.selection.goal = Goal::Best { criteria: vec![(criterion, 1.0)], count: 12, method: Method::Best };

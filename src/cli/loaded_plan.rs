@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use super::long_work::sweeping;
 use super::output::Screen;
 use super::output::failure::Failure;
 use crate::formats::read_at_most;
 use crate::plan::assess::LocateError;
-use crate::plan::choose::{Chooser, candidates};
+use crate::plan::choose::{Chooser, refined_survey};
 use crate::plan::document::{Plan, Run};
 use crate::plan::results::{check_results, hold_to_read};
 use crate::plan::survey::Survey;
@@ -73,10 +74,7 @@ impl Planned {
 
     /// Surveys the problem anew.
     pub(crate) fn survey(&self, screen: &Screen) -> Result<Survey, Failure> {
-        let bar = screen.progress("sweeping", self.problem.space.len());
-        let surveyed = candidates(&self.problem, &|swept| bar.inc(swept as u64));
-        bar.finish_and_clear();
-        Ok(surveyed?)
+        Ok(sweeping(screen, &self.problem, |observe| refined_survey(&self.problem, observe))?)
     }
 
     /// The chooser that made the plan read from `path`, and the plan's poses among the survey's views.

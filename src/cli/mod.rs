@@ -8,9 +8,9 @@ mod arguments;
 mod command;
 mod interrupt;
 mod loaded_plan;
+mod long_work;
 mod memory;
 mod output;
-mod searching;
 
 use std::path::PathBuf;
 use std::process::ExitCode;

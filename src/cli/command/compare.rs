@@ -3,11 +3,12 @@
 use clap::Args;
 
 use crate::cli::arguments::{ProblemArguments, SelectionArguments};
+use crate::cli::long_work::sweeping;
 use crate::cli::output::failure::Failure;
 use crate::cli::output::{Screen, short, table};
 use crate::cli::{number_of, trials};
 use crate::plan::assess::{Equivalent, Row, compare, equivalent_kmeans, verify};
-use crate::plan::choose::candidates;
+use crate::plan::choose::refined_survey;
 use crate::plan::choose::{Choice, Chooser};
 use crate::plan::survey::Survey;
 use crate::problem::{Method, Problem};
@@ -41,10 +42,7 @@ pub(crate) fn run(arguments: &CompareArguments, screen: &mut Screen) -> Result<(
         return Err(Failure::Usage("--seeds must be from 1 to 1000".into()));
     }
     let problem = arguments.problem.problem(&arguments.selection.options())?;
-    let bar = screen.progress("sweeping", problem.space.len());
-    let surveyed = candidates(&problem, &|swept| bar.inc(swept as u64));
-    bar.finish_and_clear();
-    let survey = surveyed?;
+    let survey = sweeping(screen, &problem, |observe| refined_survey(&problem, observe))?;
 
     let k = problem.selection.goal.count().unwrap_or(COUNT);
     let counts = if arguments.counts.is_empty() {

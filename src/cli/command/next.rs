@@ -8,6 +8,7 @@ use super::plan::pose_table;
 use crate::calibration::{CalibrationSettings, calibrate};
 use crate::cli::interrupt::writing;
 use crate::cli::loaded_plan::Planned;
+use crate::cli::long_work::sweeping;
 use crate::cli::output::collision::untested_text;
 use crate::cli::output::failure::Failure;
 use crate::cli::output::verdict::Verdict;
@@ -86,11 +87,9 @@ pub(crate) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<Verd
                 names: detections.names.clone(),
                 fits: None,
             })?;
-    let bar = screen.progress("sweeping", problem.space.len());
-    let proposed = next(&problem, &detections.observations, &calibration, wish, arguments.new, &|swept| {
-        bar.inc(swept as u64);
+    let proposed = sweeping(screen, &problem, |observe| {
+        next(&problem, &detections.observations, &calibration, wish, arguments.new, observe)
     });
-    bar.finish_and_clear();
     let proposal = proposed?;
 
     let document = proposal.document(&plan, &calibration, &detections.names);

@@ -8,15 +8,15 @@ use clap::Args;
 use super::verify::verdict;
 use crate::cli::arguments::{ProblemArguments, SelectionArguments, method};
 use crate::cli::interrupt::writing;
+use crate::cli::long_work::{searching, sweeping};
 use crate::cli::memory::hold_against_memory;
 use crate::cli::output::collision::{close_text, tested_text};
 use crate::cli::output::failure::Failure;
 use crate::cli::output::verdict::Verdict;
 use crate::cli::output::{Screen, fixed, grouped, joint_columns, short, table};
-use crate::cli::searching::searching;
 use crate::cli::{TableFormat, trials};
 use crate::plan::assess::{compare, verify};
-use crate::plan::choose::{Chooser, candidates, decide};
+use crate::plan::choose::{Chooser, decide, refined_survey};
 use crate::plan::document::{Document, Plan, PlannedPose, Run, RunSeconds, Verification, views_csv};
 use crate::plan::results::{PLAN_FILE, RUN_FILE, add_results, owner, probe, write_results};
 use crate::plan::survey::Survey;
@@ -59,10 +59,7 @@ pub(crate) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<Verd
     arguments.may_write(&problem)?;
 
     hold_against_memory(&problem, screen)?;
-    let bar = screen.progress("sweeping", problem.space.len());
-    let surveyed = candidates(&problem, &|swept| bar.inc(swept as u64));
-    bar.finish_and_clear();
-    let survey = surveyed?;
+    let survey = sweeping(screen, &problem, |observe| refined_survey(&problem, observe))?;
     let survey_time = start.elapsed();
 
     let chooser = Chooser::new(&problem, &survey)?;
@@ -143,11 +140,11 @@ impl PlanArguments {
     fn files(&self, problem: &Problem, survey: &Survey, plan: &Plan) -> Result<Vec<(&'static str, Vec<u8>)>, Failure> {
         let views = &survey.views;
         let candidates = match self.candidates {
-            Some(TableFormat::Csv) => Some(("candidates.csv", views_csv(problem, views).map_err(in_memory)?)),
+            Some(TableFormat::Csv) => Some(("views.csv", views_csv(problem, views).map_err(in_memory)?)),
             #[cfg(feature = "parquet")]
             Some(TableFormat::Parquet) => {
                 let table = crate::plan::document::views_parquet(problem, views).map_err(in_memory)?;
-                Some(("candidates.parquet", table))
+                Some(("views.parquet", table))
             }
             None => None,
         };

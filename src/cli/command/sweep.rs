@@ -5,6 +5,7 @@ use std::time::Instant;
 use clap::Args;
 
 use crate::cli::arguments::ProblemArguments;
+use crate::cli::long_work::sweeping;
 use crate::cli::output::failure::Failure;
 use crate::cli::output::{Screen, grouped, table};
 use crate::feasibility::feasible_views;
@@ -39,11 +40,11 @@ pub(crate) fn run(arguments: &SweepArguments, screen: &mut Screen) -> Result<(),
     let mut rows = Vec::new();
     let mut counts = Vec::new();
     for (step, problem) in &problems {
-        let bar = screen.progress("sweeping", problem.space.len());
         let start = Instant::now();
-        let found = sweep(&problem.robot, &problem.target, &problem.space, problem.axis, &|n| bar.inc(n as u64));
+        let found = sweeping(screen, problem, |observe| {
+            sweep(&problem.robot, &problem.target, &problem.space, problem.axis, observe)
+        });
         let seconds = start.elapsed().as_secs_f64();
-        bar.finish_and_clear();
         let (views, rejected) = feasible_views(&problem.checks(), &problem.space, &found.candidates);
         let in_zone = found.inside + found.edge;
         let published = step

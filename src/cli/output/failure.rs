@@ -185,7 +185,7 @@ fn plan_help(error: &PlanError) -> String {
             "the views taken leave a combination all but open; take more of the plan's poses first"
         }
         PlanError::Constraints(ConstraintError::NotAView { .. }) => {
-            "take ids of plan.json or of the candidates' table (`--candidates csv`), made with the same [sweep] and [visibility]"
+            "take ids of plan.json or of the views' table (`--views csv`), made with the same [sweep] and [visibility]"
         }
         PlanError::Constraints(ConstraintError::KeptOut { .. }) => {
             "take the pose out of `constraints.require`, or narrow the region"

@@ -1,17 +1,15 @@
 //! From a survey to a choice of poses with its proof.
 
 mod baseline;
-mod candidates;
 mod choice;
 mod chooser;
 mod constraints;
 mod decide;
 mod error;
 mod objective;
+mod refined_survey;
 
 pub use baseline::{Clustering, ClusteringError, kmeans, lloyd, random};
-pub(crate) use candidates::PICKS;
-pub use candidates::candidates;
 pub use choice::{Choice, Reached};
 pub use chooser::Chooser;
 pub use constraints::ConstraintError;
@@ -19,3 +17,5 @@ pub(crate) use constraints::allows;
 pub use decide::{Decision, FewestProof, SearchSummary, decide};
 pub use error::PlanError;
 pub(crate) use objective::Objective;
+pub(crate) use refined_survey::PICKS;
+pub use refined_survey::refined_survey;

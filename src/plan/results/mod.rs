@@ -22,15 +22,8 @@ pub const PLAN_FILE: &str = "plan.json";
 pub const RUN_FILE: &str = "run.json";
 
 /// Files beside a plan that not every run writes; those of one plan must not stay beside another.
-pub const OPTIONAL_FILES: [&str; 7] = [
-    "verification.json",
-    "candidates.csv",
-    "candidates.parquet",
-    "polished.json",
-    "polished.csv",
-    "next.json",
-    "next.csv",
-];
+pub const OPTIONAL_FILES: [&str; 7] =
+    ["verification.json", "views.csv", "views.parquet", "polished.json", "polished.csv", "next.json", "next.csv"];
 
 impl Run {
     /// The run that left its `run.json` in `folder`; `None` if there is none that can be read.
@@ -173,7 +166,7 @@ mod tests {
     /// The plan before, with all that can be made of it.
     fn old(folder: &Path) {
         let mut run = run();
-        write_results(folder, &mut run, &files(&["candidates.csv", "plan.csv", PLAN_FILE], "old")).unwrap();
+        write_results(folder, &mut run, &files(&["views.csv", "plan.csv", PLAN_FILE], "old")).unwrap();
         let path = folder.join(PLAN_FILE);
         let made = files(&["verification.json", "polished.csv", "polished.json"], "old");
         add_results(&path, b"plan.json old", None, &made).unwrap();
@@ -182,7 +175,7 @@ mod tests {
 
     #[test]
     fn a_run_killed_between_any_two_steps_leaves_one_set_whole_or_is_found_out() {
-        let new = files(&["candidates.parquet", "plan.csv", PLAN_FILE], "new");
+        let new = files(&["views.parquet", "plan.csv", PLAN_FILE], "new");
         let mut outcomes = Vec::new();
         for (over, killed_after) in (0..=8).map(|n| (true, n)).chain((0..=4).map(|n| (false, n))) {
             let folder = tempfile::tempdir().unwrap();
@@ -234,7 +227,7 @@ mod tests {
         assert_eq!((removed.len(), contents(folder).len()), (0, 7));
         assert_eq!(check_results(&folder.join(PLAN_FILE)), [""; 0]);
         let removed = write_results(folder, &mut run(), &files(&["plan.csv", PLAN_FILE], "new")).unwrap();
-        assert_eq!(removed, ["verification.json", "candidates.csv", "polished.json", "polished.csv"]);
+        assert_eq!(removed, ["verification.json", "views.csv", "polished.json", "polished.csv"]);
         assert_eq!(contents(folder).len(), 3);
     }
 
@@ -244,7 +237,7 @@ mod tests {
         let folder = folder.path();
         old(folder);
         let plan = folder.join(PLAN_FILE);
-        std::fs::remove_file(folder.join("candidates.csv")).unwrap();
+        std::fs::remove_file(folder.join("views.csv")).unwrap();
         std::fs::write(folder.join("notes.txt"), "mine").unwrap();
         assert_eq!(check_results(&plan), [""; 0]);
         std::fs::write(folder.join("plan.csv"), "changed").unwrap();

@@ -9,7 +9,7 @@ pub use rehearsal::Rehearsal;
 
 use crate::calibration::{Calibration, Observations};
 use crate::feasibility::View;
-use crate::plan::choose::{Chooser, PlanError, candidates};
+use crate::plan::choose::{Chooser, PlanError, refined_survey};
 use crate::plan::document::{
     Document, EstimatedIntrinsics, NextDocument, Plan, PlannedPose, SimulatedMapError, finite, poses_csv,
 };
@@ -102,7 +102,7 @@ pub fn next(
     observe: &(dyn Fn(usize) + Sync),
 ) -> Result<Proposal, PlanError> {
     let mut problem = Problem { camera: calibration.camera.clone(), noise: calibration.sigma, ..problem.clone() };
-    let survey = candidates(&problem, observe)?;
+    let survey = refined_survey(&problem, observe)?;
     let taken = Taken::new(observations, &calibration.camera);
     if is_new {
         let repeated = survey.views.par_iter().filter(|view| taken.like(view).is_some()).map(|view| view.id);

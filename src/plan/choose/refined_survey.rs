@@ -18,7 +18,7 @@ pub(crate) const PICKS: usize = 10;
 ///
 /// # Errors
 /// When no candidate is left, or nothing can be picked.
-pub fn candidates(problem: &Problem, observe: &(dyn Fn(usize) + Sync)) -> Result<Survey, PlanError> {
+pub fn refined_survey(problem: &Problem, observe: &(dyn Fn(usize) + Sync)) -> Result<Survey, PlanError> {
     let mut survey = survey(problem, observe)?;
     let mut radii: Vec<f64> = spacings(problem).iter().map(|spacing| SPACINGS * spacing).collect();
     for _ in 0..problem.refinement.rounds {
@@ -48,10 +48,10 @@ mod tests {
     fn refined_candidates_are_views_near_the_picks_and_better_ones() {
         let step = Overrides::new().set("sweep.step_deg=15").unwrap();
         let mut problem = Problem::read_with(Path::new("problems/servosila-engineer.toml"), &step).unwrap();
-        let coarse = candidates(&problem, &|_| {}).unwrap();
+        let coarse = refined_survey(&problem, &|_| {}).unwrap();
         assert_eq!(coarse, survey(&problem, &|_| {}).unwrap());
         problem.refinement = Refinement { rounds: 2, sample: 600 };
-        let refined = candidates(&problem, &|_| {}).unwrap();
+        let refined = refined_survey(&problem, &|_| {}).unwrap();
         assert_eq!(refined.refined, 1200);
         let added = &refined.views[coarse.views.len()..];
         assert!(added.len() > 100 && refined.information.len() == refined.views.len());
@@ -64,6 +64,6 @@ mod tests {
         let value = |survey: &Survey| Chooser::new(&problem, survey).unwrap().best(10, 0).unwrap().0.log_value;
         assert!(value(&refined) > value(&coarse) + 0.05);
         let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-        assert_eq!(alone.install(|| candidates(&problem, &|_| {}).unwrap()), refined);
+        assert_eq!(alone.install(|| refined_survey(&problem, &|_| {}).unwrap()), refined);
     }
 }

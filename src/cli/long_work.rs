@@ -1,4 +1,4 @@
-//! Searches that may take long: their progress and their time limit. An interrupt ends them with what they have.
+//! Work that may take long: its progress, and the time limit of searches. An interrupt ends a search with what it has.
 
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -7,6 +7,14 @@ use super::interrupt;
 use super::output::Screen;
 use crate::problem::Problem;
 use crate::selection::SearchProgress;
+
+/// Runs `work`, which sweeps the problem, with an observer that shows how many configurations are done.
+pub(super) fn sweeping<T>(screen: &Screen, problem: &Problem, work: impl FnOnce(&(dyn Fn(usize) + Sync)) -> T) -> T {
+    let bar = screen.progress("sweeping", problem.space.len());
+    let done = work(&|swept| bar.inc(swept as u64));
+    bar.finish_and_clear();
+    done
+}
 
 /// Runs `select` with an observer that shows progress, and ends searches at the problem's time limit or an interrupt.
 pub(super) fn searching<T>(
