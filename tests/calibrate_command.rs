@@ -371,7 +371,7 @@ fn the_lens_that_fits_is_named_where_the_one_asked_for_does_not() {
 }
 
 #[test]
-fn good_views_are_good_and_a_wish_that_is_missed_is_an_exit_code() {
+fn good_views_are_good_and_a_request_that_is_missed_is_an_exit_code() {
     let folder = real_corners();
     let run = |more: &str| {
         let line = format!("weights.vnl --board 9x6 --square-mm 25 --image 640x480 --json {more}");
@@ -382,7 +382,7 @@ fn good_views_are_good_and_a_wish_that_is_missed_is_an_exit_code() {
     let (code, judgement, verdict) = run("");
     assert!(code == Some(0) && judgement == "good" && verdict.starts_with("Good: "), "{verdict}");
     let (code, judgement, verdict) = run("--map-error-px 0.1");
-    assert!(code == Some(4) && judgement == "missed" && verdict.contains("where 0.1 is wished for"), "{verdict}");
+    assert!(code == Some(4) && judgement == "missed" && verdict.contains("where 0.1 is requested"), "{verdict}");
     let (code, judgement, _) = run("--map-error-px 0.8");
     assert!(code == Some(0) && judgement == "good");
     let (_, judgement, verdict) = run("--loss cauchy --fix k1,k2,k3 --zero-tangential");

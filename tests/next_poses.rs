@@ -55,7 +55,7 @@ fn desk(views: usize) -> tempfile::TempDir {
 }
 
 #[test]
-fn the_next_poses_bring_the_map_error_down_to_the_wish() {
+fn the_next_poses_bring_the_map_error_down_to_the_request() {
     let desk = desk(10);
     let known = |document: &Value| document["known_map_error_px"].as_f64().unwrap();
     let expected = |document: &Value| document["expected_map_error_px"].as_f64().unwrap();
@@ -65,12 +65,12 @@ fn the_next_poses_bring_the_map_error_down_to_the_wish() {
     assert_eq!(one["poses"].as_array().unwrap().len(), 1);
     assert!(expected(&one) < known(&one));
 
-    let wish = 0.7 * known(&one);
-    let some = json_of(desk.path(), &format!("next out/plan.json seen.json --json --map-error-px {wish}"));
+    let request = 0.7 * known(&one);
+    let some = json_of(desk.path(), &format!("next out/plan.json seen.json --json --map-error-px {request}"));
     assert_eq!(some["fulfilled"], true);
-    assert!(expected(&some) <= wish);
+    assert!(expected(&some) <= request);
     let fewer = some["poses"].as_array().unwrap().len() - 1;
-    let line = format!("next out/plan.json seen.json --json --map-error-px {wish} --most {fewer}");
+    let line = format!("next out/plan.json seen.json --json --map-error-px {request} --most {fewer}");
     let output = calipose(desk.path(), &line);
     assert_eq!(output.status.code(), Some(4), "{output:?}");
     let short: Value = serde_json::from_slice(&output.stdout).unwrap();

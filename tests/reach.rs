@@ -32,13 +32,13 @@ fn assert_inverts(name: &str, count: usize) {
     // Where these starts do not suffice, more are taken.
     let settings = ReachSettings { starts: 16, ..ReachSettings::default() };
     for q in random_configurations(&problem, count) {
-        let wished = robot.camera_pose(&q);
-        let found = reach(robot, &wished, &starts, &settings);
+        let requested = robot.camera_pose(&q);
+        let found = reach(robot, &requested, &starts, &settings);
         assert!(found.iter().all(|end| end.reached), "{name}: {q:?}, nearest {found:?}");
         for (i, end) in found.iter().enumerate() {
             let X_BC = robot.camera_pose(&end.q);
-            assert!((X_BC.translation.vector - wished.translation.vector).norm() < 1e-6);
-            assert!(X_BC.rotation.angle_to(&wished.rotation) < 1e-6);
+            assert!((X_BC.translation.vector - requested.translation.vector).norm() < 1e-6);
+            assert!(X_BC.rotation.angle_to(&requested.rotation) < 1e-6);
             for (joint, q) in robot.chain.joints.iter().zip(&end.q) {
                 assert!((joint.limits.min..=joint.limits.max).contains(q));
             }
@@ -92,9 +92,9 @@ fn the_command_looks_at_the_board_as_told() {
     let expected = calipose::target::viewpoint(0.45, 20f64.to_radians(), -30f64.to_radians(), 15f64.to_radians());
     assert!((X_TC.translation.vector - expected.translation.vector).norm() < 1e-6);
     assert!(X_TC.rotation.angle_to(&expected.rotation) < 1e-6);
-    // The same wish, as a pose.
+    // The same request, as a pose.
     let list = |key: &str, factor: f64| {
-        let numbers: Vec<f64> = serde_json::from_value(document["wished"][key].clone()).unwrap();
+        let numbers: Vec<f64> = serde_json::from_value(document["requested"][key].clone()).unwrap();
         numbers.iter().map(|x| (x * factor).to_string()).collect::<Vec<_>>().join(",")
     };
     let (position, quaternion) = (list("position_m", 1e3), list("quaternion_xyzw", 1.0));
@@ -118,8 +118,8 @@ fn the_command_says_what_it_cannot_reach() {
 }
 
 #[test]
-fn wishes_that_make_no_sense_are_refused() {
-    for wish in [
+fn requests_that_make_no_sense_are_refused() {
+    for request in [
         "",
         "--distance-mm 0",
         "--distance-mm nan",
@@ -134,7 +134,7 @@ fn wishes_that_make_no_sense_are_refused() {
         "--position-mm 1,2,3 --quaternion-xyzw 0,0,0,1 --rpy-deg 0,0,0",
         "--distance-mm 500 --count 0",
     ] {
-        let (code, stdout, stderr) = calipose(&format!("reach problems/six-axis-rover.toml {wish}"));
-        assert_eq!((code, stdout.as_str()), (Some(2), ""), "{wish}: {stderr}");
+        let (code, stdout, stderr) = calipose(&format!("reach problems/six-axis-rover.toml {request}"));
+        assert_eq!((code, stdout.as_str()), (Some(2), ""), "{request}: {stderr}");
     }
 }

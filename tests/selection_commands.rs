@@ -95,10 +95,10 @@ fn the_proven_best_is_no_worse_than_the_best_found() {
 fn the_fewest_poses_that_reach_an_accuracy_are_found_and_proven() {
     let desk = Desk::new();
     let eight = plan(&desk, "plan coarse.toml -k 8 -o eight");
-    let wished = eight["map_error_px"].as_f64().unwrap() * 1.0001;
-    accurate(&desk, "accurate.toml", &format!("{{ map_error_px = {wished} }}"), "");
+    let requested = eight["map_error_px"].as_f64().unwrap() * 1.0001;
+    accurate(&desk, "accurate.toml", &format!("{{ map_error_px = {requested} }}"), "");
     let fewest = plan(&desk, "plan accurate.toml -o fewest");
-    assert!(fewest["map_error_px"].as_f64().unwrap() <= wished);
+    assert!(fewest["map_error_px"].as_f64().unwrap() <= requested);
     let count = fewest["count"].as_u64().unwrap();
     assert!(count <= 8);
     assert_eq!(fewest["fewest"]["least"], count, "the proof is complete");
@@ -106,18 +106,18 @@ fn the_fewest_poses_that_reach_an_accuracy_are_found_and_proven() {
     // One pose less, exactly searched, does not do.
     let less = plan(&desk, &format!("plan coarse.toml -k {} --method exact -o less", count - 1));
     assert_eq!(less["search"]["end"], "optimal");
-    assert!(less["map_error_px"].as_f64().unwrap() > wished);
+    assert!(less["map_error_px"].as_f64().unwrap() > requested);
 
     assert!(desk.complaint("plan accurate.toml -k 5", 3).contains("excludes `selection.accuracy`"));
     let mut easier = fewest.clone();
-    easier["fewest"]["accuracies"][0]["wished"] = json!(wished / 2.0);
+    easier["fewest"]["accuracies"][0]["requested"] = json!(requested / 2.0);
     std::fs::write(desk.path("fewest/plan.json"), easier.to_string()).unwrap();
     assert!(desk.complaint("certify fewest/plan.json", 1).contains("not those of the problem file"));
 
     // Where constraints leave little room, fewer poses may still do.
-    let narrow = format!("{{ map_error_px = {} }}", 10.0 * wished);
+    let narrow = format!("{{ map_error_px = {} }}", 10.0 * requested);
     accurate(&desk, "narrow.toml", &narrow, "\n[constraints]\njoint_separation_deg = 150\n");
-    assert!(plan(&desk, "plan narrow.toml -o narrow")["map_error_px"].as_f64().unwrap() <= 10.0 * wished);
+    assert!(plan(&desk, "plan narrow.toml -o narrow")["map_error_px"].as_f64().unwrap() <= 10.0 * requested);
     accurate(&desk, "too_narrow.toml", &narrow, "\n[constraints]\njoint_separation_deg = 250\n");
     let complaint = desk.complaint("plan too_narrow.toml -o too_narrow", 1);
     assert!(

@@ -24,8 +24,8 @@ mod ties;
 mod zhang;
 
 pub use assessment::{
-    AccuracyReached, Assessment, Judgement, Lacks, MapErrors, MoreViews, OtherLens, ResidualStatistics, TiltLack,
-    WeakCombination, Wish, other_lens, unknown_camera,
+    AccuracyReached, Assessment, Judgement, Lacks, MapErrors, MoreViews, OtherLens, Request, ResidualStatistics,
+    TiltLack, WeakCombination, other_lens, unknown_camera,
 };
 pub use coverage::{Coverage, Region};
 pub use estimate::{Calibration, Outlier, residuals};
@@ -114,8 +114,8 @@ pub enum CalibrationError {
     },
     /// Views whose corners are listed as those of a board with as many rows as this has columns.
     #[error(
-        "rows and columns look swapped: in {} the corners are in the order of a {rows} x {columns} board, not of a \
-         {columns} x {rows} one",
+        "rows and columns look swapped: in {} the corners are in the order of a board of {rows} x {columns}, not of \
+         {columns} x {rows}",
         share_text(views.len(), *of)
     )]
     SwappedOrder {

@@ -56,12 +56,22 @@ impl Planned {
             .or_else(|| named_by_run(path))
             .ok_or_else(|| refused("no run.json beside it tells the problem file; name it with --problem".into()))?;
         let overrides = plan.problem.overrides().map_err(|error| refused(error.to_string()))?;
+        if problem.is_none() && !problem_path.exists() {
+            let path = problem_path.display();
+            return Err(refused(format!(
+                "run.json beside it names the problem file {path}, which is not there; say where it is with --problem FILE"
+            )));
+        }
         let problem = Problem::read_with(&problem_path, &overrides)?;
         if problem.sha256 != plan.problem.sha256 {
-            return Err(refused(format!(
-                "it was made from another version of {}; make a new plan, or name the old file with --problem",
-                problem_path.display()
-            )));
+            let path = problem_path.display();
+            return Err(refused(if problem.name == plan.problem.name {
+                format!(
+                    "it was made from another version of {path}; make a new plan, or name the old file with --problem"
+                )
+            } else {
+                format!("it is a plan for \"{}\", and {path} states \"{}\"", plan.problem.name, problem.name)
+            }));
         }
         Ok(Self { plan, problem, text, mixed })
     }

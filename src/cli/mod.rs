@@ -86,7 +86,7 @@ enum Command {
     Certify(certify::CertifyArguments),
     /// Re-estimate from the views taken so far and propose the next best poses
     Next(next::NextArguments),
-    /// Find joint values that bring the camera to a wished pose
+    /// Find joint values that bring the camera to a requested pose
     Reach(reach::ReachArguments),
     /// Validate a problem file and say what a run would do
     Check(ProblemArguments),

@@ -96,7 +96,7 @@ fn outer_hull(points: &[Point3<f64>]) -> (Vec<Point3<f64>>, f64) {
     let mut picked = extremes(points);
     let first = picked[0];
     let (low, high) = picked.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
-    let wished = MARGIN.min(SHARE_OF_SIZE * (high - low).norm() / 2.0) * MILLIMETRES;
+    let requested = MARGIN.min(SHARE_OF_SIZE * (high - low).norm() / 2.0) * MILLIMETRES;
     let among = picked.len();
     let left = |(point, p)| Left { distance: distance(&picked, p), point, among };
     let left: Vec<Left> = points.par_iter().enumerate().map(left).collect();
@@ -104,7 +104,7 @@ fn outer_hull(points: &[Point3<f64>]) -> (Vec<Point3<f64>>, f64) {
     let margin = loop {
         // More picked points bring the others only nearer: what was found of them among fewer is still a bound.
         let Some(farthest) = left.pop() else { break 0.0 };
-        if farthest.distance <= wished {
+        if farthest.distance <= requested {
             break farthest.distance;
         }
         if farthest.among < picked.len() {

@@ -13,7 +13,7 @@ const LARGEST: u64 = 1_000_000_000;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum DiskError {
     /// It could not be read.
-    #[error("cannot be read: {kind}")]
+    #[error("cannot be read: {}", match kind { io::ErrorKind::NotFound => "there is no such file".into(), kind => kind.to_string() })]
     Read {
         /// Why not.
         kind: io::ErrorKind,

@@ -1,7 +1,7 @@
-//! Inverse kinematics: joint values that bring the camera to a wished pose.
+//! Inverse kinematics: joint values that bring the camera to a requested pose.
 //!
 //! Damped least squares (Levenberg–Marquardt; Nakamura & Hanafusa 1986, Wampler 1986) within the joint limits, from several
-//! starts. What is made small is `‖log(R_wished · Rᵀ)‖² + ‖p_wished − p‖² / ℓ²`: an error of one radian weighs as much as one of
+//! starts. What is made small is `‖log(R_requested · Rᵀ)‖² + ‖p_requested − p‖² / ℓ²`: an error of one radian weighs as much as one of
 //! the length ℓ.
 
 use nalgebra::{Cholesky, DVector, Matrix6xX, Vector6};
@@ -15,9 +15,9 @@ use crate::spatial::Pose;
 pub struct ReachSettings {
     /// The length ℓ in m.
     pub length: f64,
-    /// Greatest distance in m from the wished position that counts as reached.
+    /// Greatest distance in m from the requested position that counts as reached.
     pub position_tolerance: f64,
-    /// Greatest angle in rad from the wished orientation that counts as reached.
+    /// Greatest angle in rad from the requested orientation that counts as reached.
     pub angle_tolerance: f64,
     /// Starts tried at once; where none reaches the pose, as many more are tried, up to `most_starts`.
     pub starts: usize,
@@ -40,14 +40,14 @@ impl Default for ReachSettings {
     }
 }
 
-/// A configuration at, or nearest to, a wished pose.
+/// A configuration at, or nearest to, a requested pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reached {
     /// Joint values, rad or m, within their limits; of those that are one place, the nearest to 0.
     pub q: Vec<f64>,
-    /// Distance in m from the wished position.
+    /// Distance in m from the requested position.
     pub position_error: f64,
-    /// Angle in rad from the wished orientation.
+    /// Angle in rad from the requested orientation.
     pub angle_error: f64,
     /// Whether both are within the tolerances.
     pub reached: bool,
@@ -71,11 +71,11 @@ impl Starts {
         Self { configurations: configurations.into_par_iter().map(with_pose).collect() }
     }
 
-    /// At most `count` of them, the nearest to `wished` first, that differ from each other.
-    fn nearest(&self, wished: &Pose, length: f64, joints: &[Joint], count: usize) -> Vec<&[f64]> {
+    /// At most `count` of them, the nearest to `requested` first, that differ from each other.
+    fn nearest(&self, requested: &Pose, length: f64, joints: &[Joint], count: usize) -> Vec<&[f64]> {
         /// Least difference of two starts, as a share of a joint's range.
         const APART: f64 = 0.1;
-        let cost = |X: &Pose| error(wished, X, length).norm_squared();
+        let cost = |X: &Pose| error(requested, X, length).norm_squared();
         let mut order: Vec<(f64, usize)> =
             self.configurations.iter().enumerate().map(|(i, (_, X))| (cost(X), i)).collect();
         order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -99,18 +99,19 @@ impl Starts {
     }
 }
 
-/// The configurations that bring the camera of `robot` to `wished`, its pose in the base frame, those farthest from joint limits
+/// The configurations that bring the camera of `robot` to `requested`, its pose in the base frame, those farthest from joint limits
 /// first; or, where none does, the configuration that comes nearest. Configurations differ by more than 5° or 5 mm in a joint.
 ///
 /// The result does not depend on the number of threads. It is empty only without starts.
-pub fn reach(robot: &Robot, wished: &Pose, starts: &Starts, settings: &ReachSettings) -> Vec<Reached> {
+pub fn reach(robot: &Robot, requested: &Pose, starts: &Starts, settings: &ReachSettings) -> Vec<Reached> {
     const APART: f64 = 0.087;
     const APART_MM: f64 = 5e-3;
     let joints = &robot.chain.joints;
-    let starts = starts.nearest(wished, settings.length, joints, settings.most_starts);
+    let starts = starts.nearest(requested, settings.length, joints, settings.most_starts);
     let mut nearest: Option<(f64, Reached)> = None;
     for batch in starts.chunks(settings.starts.max(1)) {
-        let ends: Vec<(f64, Reached)> = batch.par_iter().map(|start| descend(robot, wished, start, settings)).collect();
+        let ends: Vec<(f64, Reached)> =
+            batch.par_iter().map(|start| descend(robot, requested, start, settings)).collect();
         let mut found: Vec<Reached> = Vec::new();
         let same = |a: &Reached, b: &Reached| {
             joints.iter().zip(a.q.iter().zip(&b.q)).all(|(joint, (a, b))| {
@@ -135,20 +136,20 @@ pub fn reach(robot: &Robot, wished: &Pose, starts: &Starts, settings: &ReachSett
     nearest.into_iter().map(|(_, end)| end).collect()
 }
 
-/// Error of `X` against `wished`: rotation in rad, translation in units of ℓ, both in the base frame.
-fn error(wished: &Pose, X: &Pose, length: f64) -> Vector6<f64> {
-    let ω = (wished.rotation * X.rotation.inverse()).scaled_axis();
-    let v = (wished.translation.vector - X.translation.vector) / length;
+/// Error of `X` against `requested`: rotation in rad, translation in units of ℓ, both in the base frame.
+fn error(requested: &Pose, X: &Pose, length: f64) -> Vector6<f64> {
+    let ω = (requested.rotation * X.rotation.inverse()).scaled_axis();
+    let v = (requested.translation.vector - X.translation.vector) / length;
     Vector6::new(ω.x, ω.y, ω.z, v.x, v.y, v.z)
 }
 
 /// Where damped steps from `start` end, and the cost there.
-fn descend(robot: &Robot, wished: &Pose, start: &[f64], settings: &ReachSettings) -> (f64, Reached) {
+fn descend(robot: &Robot, requested: &Pose, start: &[f64], settings: &ReachSettings) -> (f64, Reached) {
     let length = settings.length;
     let joints = &robot.chain.joints;
     let mut q = start.to_vec();
     let (mut X, mut J) = robot.camera_jacobian(&q);
-    let mut e = error(wished, &X, length);
+    let mut e = error(requested, &X, length);
     let mut λ = 1e-2;
     for _ in 0..settings.most_steps {
         J.fixed_rows_mut::<3>(3).scale_mut(1.0 / length);
@@ -169,7 +170,7 @@ fn descend(robot: &Robot, wished: &Pose, start: &[f64], settings: &ReachSettings
                 .map(|(joint, (q, step))| (q + step).max(joint.limits.min).min(joint.limits.max))
                 .collect();
             let X_next = robot.camera_pose(&next);
-            let e_next = error(wished, &X_next, length);
+            let e_next = error(requested, &X_next, length);
             if e_next.norm_squared() < e.norm_squared() {
                 λ = (λ * 0.1).max(1e-14);
                 stepped = Some((next, e_next));
@@ -186,7 +187,7 @@ fn descend(robot: &Robot, wished: &Pose, start: &[f64], settings: &ReachSettings
         }
     }
     robot.unwind(&mut q);
-    let position_error = (wished.translation.vector - X.translation.vector).norm();
+    let position_error = (requested.translation.vector - X.translation.vector).norm();
     let angle_error = e.fixed_rows::<3>(0).norm();
     let reached = position_error <= settings.position_tolerance && angle_error <= settings.angle_tolerance;
     let margin = |(joint, q): (&Joint, &f64)| {

@@ -11,7 +11,7 @@ const MANY_OUTLIERS: f64 = 0.01;
 /// A lens that leaves the noise of a coordinate below this share of what another does fits, and the other does not.
 const BETTER_LENS: f64 = 0.7;
 
-/// Map error, px, that is good where nobody wishes for another: forty poses planned for the Servosila robot reach it.
+/// Map error, px, that is good where nobody requests another: forty poses planned for the Servosila robot reach it.
 pub(super) const GOOD_MAP_ERROR: f64 = 1.0;
 
 /// Map error, px, that is fair: ten poses planned for any of the robots that ship reach it.
@@ -26,7 +26,7 @@ pub enum Judgement {
     WrongLens(OtherLens),
     /// So many corners do not fit.
     Outliers(usize),
-    /// Accuracies wished for are missed.
+    /// Accuracies requested are missed.
     Missed(Vec<AccuracyReached>),
     /// The map error is larger than ten well chosen views leave it.
     Weak,
@@ -37,15 +37,15 @@ pub enum Judgement {
 }
 
 impl Judgement {
-    /// Judges `calibration` of so many corners, with the map error and whatever accuracies are wished for.
+    /// Judges `calibration` of so many corners, with the map error and whatever accuracies are requested.
     pub(super) fn new(
         calibration: &Calibration,
         corners: usize,
         other: Option<OtherLens>,
         map_error: f64,
-        wished: &[AccuracyReached],
+        requested: &[AccuracyReached],
     ) -> Self {
-        let missed: Vec<_> = wished.iter().filter(|w| w.reached > w.limit).cloned().collect();
+        let missed: Vec<_> = requested.iter().filter(|w| w.reached > w.limit).cloned().collect();
         let outliers = calibration.outliers.len();
         if !calibration.convergence.converged {
             Self::NotConverged
@@ -55,9 +55,9 @@ impl Judgement {
             Self::Outliers(outliers)
         } else if !missed.is_empty() {
             Self::Missed(missed)
-        } else if wished.is_empty() && map_error > FAIR_MAP_ERROR {
+        } else if requested.is_empty() && map_error > FAIR_MAP_ERROR {
             Self::Weak
-        } else if wished.is_empty() && map_error > GOOD_MAP_ERROR {
+        } else if requested.is_empty() && map_error > GOOD_MAP_ERROR {
             Self::Fair
         } else {
             Self::Good
@@ -109,7 +109,7 @@ impl Judgement {
             }
             Self::Missed(missed) => {
                 let each = |AccuracyReached { what, limit, reached }: &AccuracyReached| {
-                    format!("{what} is {} where {limit} is wished for", short(*reached))
+                    format!("{what} is {} where {limit} is requested", short(*reached))
                 };
                 let missed = missed.iter().map(each).collect::<Vec<_>>().join(", ");
                 format!("Not accurate enough: {missed}.{lacks}")

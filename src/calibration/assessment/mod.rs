@@ -1,4 +1,4 @@
-//! What a calibration is worth: its errors over the image, what was wished for, the verdict, and what the views lack.
+//! What a calibration is worth: its errors over the image, what was requested, the verdict, and what the views lack.
 
 mod errors;
 mod judgement;
@@ -13,9 +13,9 @@ pub use other_lens::{OtherLens, other_lens, unknown_camera};
 use super::{Calibration, LossKind, Observations, residuals};
 use judgement::GOOD_MAP_ERROR;
 
-/// An accuracy wished for.
+/// An accuracy requested.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Wish {
+pub enum Request {
     /// A map error, px.
     MapError(f64),
     /// The standard deviation of an intrinsic.
@@ -27,12 +27,12 @@ pub enum Wish {
     },
 }
 
-/// An accuracy wished for, and what is reached.
+/// An accuracy requested, and what is reached.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AccuracyReached {
     /// What is to be accurate: `map error [px]`, `sigma of fx`.
     pub what: String,
-    /// What is wished for.
+    /// What is requested.
     pub limit: f64,
     /// What is reached.
     pub reached: f64,
@@ -45,8 +45,8 @@ pub struct Assessment {
     pub map_errors: MapErrors,
     /// The residuals.
     pub residuals: ResidualStatistics,
-    /// What was wished for and what is reached.
-    pub wished: Vec<AccuracyReached>,
+    /// What was requested and what is reached.
+    pub requested: Vec<AccuracyReached>,
     /// What it is worth.
     pub judgement: Judgement,
     /// What the views lack.
@@ -62,35 +62,37 @@ impl Assessment {
         calibration: &Calibration,
         loss: LossKind,
         other: Option<OtherLens>,
-        wishes: &[Wish],
+        requests: &[Request],
     ) -> Self {
         let Calibration { camera, poses, .. } = calibration;
         let W = calibration.unknowns().map_error_weight();
         let map_errors = MapErrors::new(calibration, &W);
-        let reached = |wish: &Wish| match *wish {
-            Wish::MapError(limit) => AccuracyReached { what: "map error [px]".into(), limit, reached: map_errors.rms },
-            Wish::Sigma { intrinsic, sigma } => {
+        let reached = |request: &Request| match *request {
+            Request::MapError(limit) => {
+                AccuracyReached { what: "map error [px]".into(), limit, reached: map_errors.rms }
+            }
+            Request::Sigma { intrinsic, sigma } => {
                 let name = camera.lens().parameter_names().get(intrinsic).copied().unwrap_or_default();
                 let reached = calibration.sigma_of(intrinsic);
                 AccuracyReached { what: format!("sigma of {name}"), limit: sigma, reached }
             }
         };
-        let wished: Vec<AccuracyReached> = wishes.iter().map(reached).collect();
-        let judgement = Judgement::new(calibration, observations.corner_count(), other, map_errors.rms, &wished);
-        let lacks = Lacks::new(observations, calibration, &W, map_errors.rms, goal(wishes));
+        let requested: Vec<AccuracyReached> = requests.iter().map(reached).collect();
+        let judgement = Judgement::new(calibration, observations.corner_count(), other, map_errors.rms, &requested);
+        let lacks = Lacks::new(observations, calibration, &W, map_errors.rms, goal(requests));
         let verdict = judgement.sentence(calibration, loss, map_errors.rms, &lacks);
         let residuals = ResidualStatistics::new(&residuals(observations, camera, poses).concat());
-        Self { map_errors, residuals, wished, judgement, lacks, verdict }
+        Self { map_errors, residuals, requested, judgement, lacks, verdict }
     }
 }
 
-/// The map error to reach: the one wished for, or a good one where nothing is.
-fn goal(wishes: &[Wish]) -> Option<f64> {
-    match wishes {
+/// The map error to reach: the one requested, or a good one where nothing is.
+fn goal(requests: &[Request]) -> Option<f64> {
+    match requests {
         [] => Some(GOOD_MAP_ERROR),
-        _ => wishes.iter().find_map(|wish| match wish {
-            Wish::MapError(limit) => Some(*limit),
-            Wish::Sigma { .. } => None,
+        _ => requests.iter().find_map(|request| match request {
+            Request::MapError(limit) => Some(*limit),
+            Request::Sigma { .. } => None,
         }),
     }
 }

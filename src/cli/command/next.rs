@@ -14,7 +14,7 @@ use crate::cli::output::failure::Failure;
 use crate::cli::output::verdict::Verdict;
 use crate::cli::output::{Screen, short, table};
 use crate::formats::{Known, read_detections_file};
-use crate::plan::assess::{Proposal, Wish, next};
+use crate::plan::assess::{Proposal, Request, next};
 use crate::plan::document::{Document, EstimatedIntrinsics};
 use crate::plan::results::{add_results, probe};
 
@@ -48,16 +48,16 @@ pub(crate) struct NextArguments {
 }
 
 impl NextArguments {
-    fn wish(&self) -> Result<Wish, Failure> {
+    fn request(&self) -> Result<Request, Failure> {
         let refused = |what: &str| Err(Failure::Usage(what.into()));
         match self.map_error {
             Some(map_error) if !(map_error > 0.0 && map_error.is_finite()) => {
                 refused("--map-error-px must be positive")
             }
             Some(_) if self.most == 0 => refused("--most must be at least 1"),
-            Some(map_error) => Ok(Wish::Accuracy { map_error, most: self.most }),
+            Some(map_error) => Ok(Request::Accuracy { map_error, most: self.most }),
             None if self.count == 0 => refused("--count must be at least 1"),
-            None => Ok(Wish::Count(self.count)),
+            None => Ok(Request::Count(self.count)),
         }
     }
 }
@@ -66,7 +66,7 @@ impl NextArguments {
 const FILES: [&str; 2] = ["next.json", "next.csv"];
 
 pub(crate) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<Verdict, Failure> {
-    let wish = arguments.wish()?;
+    let request = arguments.request()?;
     let planned = Planned::read_to_add(&arguments.plan, arguments.problem.as_deref(), &FILES)?;
     let Planned { plan, problem, text, .. } = planned;
     let folder = arguments.plan.parent().unwrap_or(Path::new(""));
@@ -88,7 +88,7 @@ pub(crate) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<Verd
                 fits: None,
             })?;
     let proposed = sweeping(screen, &problem, |observe| {
-        next(&problem, &detections.observations, &calibration, wish, arguments.new, observe)
+        next(&problem, &detections.observations, &calibration, request, arguments.new, observe)
     });
     let proposal = proposed?;
 
@@ -113,8 +113,9 @@ pub(crate) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<Verd
         return Ok(Verdict::Good);
     }
     let mut text = format!(
-        "{known}\n{} more, taken next, bring it to {} px:\n\n{}",
+        "{known}\n{} more, taken next, {} it to {} px:\n\n{}",
         proposal.poses.len(),
+        if proposal.poses.len() == 1 { "brings" } else { "bring" },
         short(proposal.expected),
         pose_table(&problem, &proposal.poses),
     );
@@ -157,15 +158,15 @@ fn simulated(proposal: &Proposal) -> String {
 /// Which of the poses repeat a view, by the names of the views.
 fn repeated(repeats: &[Option<String>]) -> String {
     let names: Vec<&str> = repeats.iter().flatten().map(String::as_str).collect();
-    let rest = match names[..] {
-        [] => return String::new(),
-        [_] => "repeats a view",
-        _ => "repeat views",
+    let which = match (names.len(), repeats.len()) {
+        (0, _) => return String::new(),
+        (1, 1) => "It repeats a view".to_owned(),
+        (1, all) => format!("1 of these {all} repeats a view"),
+        (some, all) if some == all => format!("All {all} repeat views"),
+        (some, all) => format!("{some} of these {all} repeat views"),
     };
     format!(
-        "\n{} of these {} {rest} taken already ({}): one more picture there averages noise, no more. --new leaves them out.",
-        names.len(),
-        repeats.len(),
+        "\n{which} taken already ({}): one more picture there averages noise, no more. --new leaves such poses out.",
         names.join(", "),
     )
 }

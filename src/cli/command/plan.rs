@@ -252,13 +252,16 @@ fn outcome(plan: &Plan) -> String {
         let reached: Vec<String> = fewest
             .accuracies
             .iter()
-            .map(|accuracy| format!("{} {} (wished {})", accuracy.name, short(accuracy.reached), accuracy.wished))
+            .map(|accuracy| format!("{} {} (requested {})", accuracy.name, short(accuracy.reached), accuracy.requested))
             .collect();
         let proof = match (&fewest.refutation, fewest.least) {
             (Some(_), least) if least == *count => format!("{} are proven not to suffice.", count - 1),
             (None, least) if least == *count => "Fewer cannot be chosen.".into(),
+            (_, least) if least + 1 == *count => {
+                format!("Fewer than {least} are proven not to suffice; whether {least} suffice is not known.")
+            }
             (_, least) => format!(
-                "Fewer than {least} are proven not to suffice; whether {least} to {} do is not known.",
+                "Fewer than {least} are proven not to suffice; whether {least} to {} suffice is not known.",
                 count - 1,
             ),
         };

@@ -17,7 +17,7 @@ use crate::spatial::Pose;
 use crate::target::viewpoint;
 
 #[derive(Debug, Args)]
-#[command(group = ArgGroup::new("wish").required(true).args(["position", "distance"]))]
+#[command(group = ArgGroup::new("request").required(true).args(["position", "distance"]))]
 pub(crate) struct ReachArguments {
     #[command(flatten)]
     problem: ProblemArguments,
@@ -83,8 +83,8 @@ fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
 }
 
 impl ReachArguments {
-    /// The wished pose `X_BC`.
-    fn wished(&self, problem: &Problem) -> Result<Pose, Failure> {
+    /// The requested pose `X_BC`.
+    fn requested(&self, problem: &Problem) -> Result<Pose, Failure> {
         let refused = |what: &str| Err(Failure::Usage(what.into()));
         if let Some(distance) = self.distance {
             if !(distance > 0.0 && distance.is_finite()) {
@@ -121,18 +121,18 @@ impl ReachArguments {
 
 pub(crate) fn run(arguments: &ReachArguments, screen: &mut Screen) -> Result<(), Failure> {
     let problem = arguments.problem.problem(&[])?;
-    let wished = arguments.wished(&problem)?;
+    let requested = arguments.requested(&problem)?;
     // An error of angle moves what the camera sees by the angle times its distance.
-    let to_board = (problem.target.X_BT.translation.vector - wished.translation.vector).norm();
+    let to_board = (problem.target.X_BT.translation.vector - requested.translation.vector).norm();
     let settings = ReachSettings { length: to_board.clamp(0.1, 10.0), ..ReachSettings::default() };
-    let mut found = reach(&problem.robot, &wished, &reach_starts(&problem), &settings);
+    let mut found = reach(&problem.robot, &requested, &reach_starts(&problem), &settings);
     found.truncate(arguments.count);
     let reached = found.iter().any(|configuration| configuration.reached);
     let in_the_way: Vec<Option<LinkPair>> = {
         let checks = problem.checks();
         found.iter().map(|found| checks.collision().first(&problem.robot.tree.link_poses(&found.q))).collect()
     };
-    screen.document(&ReachDocument::new(&problem, &wished, &found, &in_the_way))?;
+    screen.document(&ReachDocument::new(&problem, &requested, &found, &in_the_way))?;
     let verdict = match (reached, found.len()) {
         (true, 1) => "one configuration takes the pose".to_owned(),
         (true, n) => format!("{n} configurations that take the pose, those farthest from joint limits first"),

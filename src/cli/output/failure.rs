@@ -194,7 +194,7 @@ fn plan_help(error: &PlanError) -> String {
             "correct the joint values in `constraints.captured`, or leave the view out"
         }
         PlanError::Inaccurate { .. } => {
-            "wish for less, sweep with a finer step, loosen [visibility] or [constraints], or lower the noise"
+            "request less, sweep with a finer step, loosen [visibility] or [constraints], or lower the noise"
         }
         PlanError::Selection(
             SelectionError::Allowed { .. }

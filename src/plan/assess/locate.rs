@@ -117,7 +117,7 @@ impl Plan {
         }
     }
 
-    /// The chooser that made the plan, by its criteria or by the accuracies that the problem wishes for, and its poses as
+    /// The chooser that made the plan, by its criteria or by the accuracies that the problem requests, and its poses as
     /// indices into the survey's views, in the plan's order.
     ///
     /// # Errors

@@ -15,7 +15,7 @@ pub use compare::{Comparison, Equivalent, Row, compare, equivalent_kmeans};
 pub use explain::{ExplainSettings, explain};
 pub use forecast::{Forecast, forecast, forecast_bytes};
 pub use locate::LocateError;
-pub use next::{Proposal, Rehearsal, Wish, next};
+pub use next::{Proposal, Rehearsal, Request, next};
 pub use polish::{PolishSettings, Polished, polish};
 pub use reach::reach_starts;
 pub use verify::{VerifyError, verify};

@@ -1,4 +1,4 @@
-//! Where to start looking for a configuration that takes a wished camera pose.
+//! Where to start looking for a configuration that takes a requested camera pose.
 
 use crate::problem::Problem;
 use crate::robot::Starts;

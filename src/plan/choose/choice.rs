@@ -13,13 +13,13 @@ pub struct Choice {
     pub map_error: f64,
 }
 
-/// An accuracy, wished for and reached, as standard deviations.
+/// An accuracy, requested and reached, as standard deviations.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reached {
     /// `map_error_px` or the name of an intrinsic.
     pub name: String,
-    /// What was wished for.
-    pub wished: f64,
+    /// What was requested.
+    pub requested: f64,
     /// What the poses reach.
     pub reached: f64,
 }

@@ -88,7 +88,7 @@ impl<'a> Chooser<'a> {
         Self::with(self.problem, self.survey, &criteria, &self.prior + prior, self.captured.clone())
     }
 
-    /// The same chooser by the accuracies that the problem wishes for, instead of its criteria.
+    /// The same chooser by the accuracies that the problem requests, instead of its criteria.
     pub(crate) fn by_accuracies(&self) -> Self {
         let accuracies = self.problem.selection.goal.accuracies();
         Self {
@@ -152,7 +152,7 @@ impl<'a> Chooser<'a> {
         Ok((self.assess(found.selected.clone()), start.relaxation.certificate, found))
     }
 
-    /// The fewest poses that reach the accuracies which the problem wishes for, and the chooser by accuracies that explains
+    /// The fewest poses that reach the accuracies which the problem requests, and the chooser by accuracies that explains
     /// the choice. `observe` as in [`Chooser::exact`].
     ///
     /// # Errors
@@ -173,7 +173,7 @@ impl<'a> Chooser<'a> {
                 count: selected.len(),
                 shortfalls: {
                     let reached = chooser.reached(&chooser.assess(selected)).into_iter();
-                    reached.filter(|accuracy| accuracy.reached > accuracy.wished).collect()
+                    reached.filter(|accuracy| accuracy.reached > accuracy.requested).collect()
                 },
                 // Φ is of variances, the accuracies of their roots.
                 bound: (0.5 * log_bound).exp(),
@@ -183,14 +183,14 @@ impl<'a> Chooser<'a> {
         Ok((chooser.assess(found.best.selected.clone()), found, chooser))
     }
 
-    /// The accuracies that the problem wishes for, in its order, and what a choice reaches.
+    /// The accuracies that the problem requests, in its order, and what a choice reaches.
     pub(crate) fn reached(&self, choice: &Choice) -> Vec<Reached> {
         let names = self.problem.unknowns().names();
-        let reached = |&(accuracy, wished): &(Accuracy, f64)| match accuracy {
-            Accuracy::MapError => Reached { name: "map_error_px".into(), wished, reached: choice.map_error },
+        let reached = |&(accuracy, requested): &(Accuracy, f64)| match accuracy {
+            Accuracy::MapError => Reached { name: "map_error_px".into(), requested, reached: choice.map_error },
             Accuracy::Intrinsic(j) => {
                 let reached = choice.sigma.get(j).copied().unwrap_or(f64::INFINITY);
-                Reached { name: names[j].into(), wished, reached }
+                Reached { name: names[j].into(), requested, reached }
             }
         };
         self.problem.selection.goal.accuracies().iter().map(reached).collect()

@@ -43,7 +43,7 @@ pub struct FewestProof {
     pub refutation: Option<Refutation>,
 }
 
-/// Chooses as the problem asks, by its criteria or the accuracies it wishes for, and certifies. Returns the chooser that
+/// Chooses as the problem asks, by its criteria or the accuracies it requests, and certifies. Returns the chooser that
 /// explains the choice too. `observe` hears of searches and may end them; what is found by then is returned.
 ///
 /// # Errors

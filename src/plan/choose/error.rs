@@ -125,16 +125,16 @@ fn describe(combination: &[(String, f64)]) -> String {
 
 fn describe_reach(count: usize, bound: f64) -> String {
     if bound < 1.0 {
-        format!("not even {count} poses, all that may be chosen, reach the accuracy wished for")
+        format!("not even {count} poses, all that may be chosen, reach the accuracy requested")
     } else {
-        format!("no set of poses was found that reaches the accuracy wished for; with the best, {count} poses")
+        format!("no set of poses was found that reaches the accuracy requested; with the best, {count} poses")
     }
 }
 
 fn describe_shortfalls(shortfalls: &[Reached]) -> String {
-    let each = shortfalls.iter().map(|Reached { name, wished, reached }| {
+    let each = shortfalls.iter().map(|Reached { name, requested, reached }| {
         let what = if name == "map_error_px" { "the map error in px".into() } else { format!("sigma of {name}") };
-        format!("{what} is {reached:.4} where {wished} is wished")
+        format!("{what} is {reached:.4} where {requested} is requested")
     });
     each.collect::<Vec<_>>().join(", ")
 }

@@ -87,7 +87,7 @@ impl<'a> Objective<'a> {
         Ok(Self { terms: terms? })
     }
 
-    /// The worst of the accuracies wished for, as a share: Φ ≥ 1 when all are reached.
+    /// The worst of the accuracies requested, as a share: Φ ≥ 1 when all are reached.
     pub(crate) fn of_accuracies(
         problem: &Problem,
         survey: &'a Survey,
@@ -267,9 +267,9 @@ fn pixel_weight(problem: &Problem) -> DMatrix<f64> {
     DMatrix::from_diagonal(&DVector::from_vec(units).map(|unit| unit.powi(-2)))
 }
 
-/// The weights of the accuracies' variances, each as a share of the variance wished for.
+/// The weights of the accuracies' variances, each as a share of the variance requested.
 fn accuracy_weights(survey: &Survey, accuracies: &[(Accuracy, f64)]) -> Vec<DMatrix<f64>> {
-    accuracies.iter().map(|&(accuracy, wished)| accuracy.weight(survey) / (wished * wished)).collect()
+    accuracies.iter().map(|&(accuracy, requested)| accuracy.weight(survey) / (requested * requested)).collect()
 }
 
 fn owned(names: &[&str]) -> Vec<String> {

@@ -12,7 +12,7 @@ pub use answers::{
     CalibratedView, CalibrationDocument, Certified, CombinationTerm, ComparisonDocument, ComparisonEquivalent,
     ComparisonRow, CurvePoint, EstimatedIntrinsics, Explanation, FailedTrial, LeastKnown, MapErrorCheck,
     MapErrorOverImage, MeasuredRow, NextDocument, NotChecked, OutlierDocument, ParameterCheck, PictureSize,
-    PoseExplanation, ResidualLengths, SimulatedMapError, SparePose, Suffering, Verification, WishedAccuracy,
+    PoseExplanation, RequestedAccuracy, ResidualLengths, SimulatedMapError, SparePose, Suffering, Verification,
 };
 pub(crate) use header::finite;
 pub use header::{Document, Header, ProblemReference};

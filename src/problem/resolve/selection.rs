@@ -13,8 +13,8 @@ use crate::problem::{Accuracy, Goal, Method, SelectionSettings};
 /// Number of poses where the file does not say.
 const DEFAULT_COUNT: usize = 10;
 
-/// Standard deviations wished for: far from any that can be had, but such that their squares are numbers.
-const WISHED: Allowed = Allowed::between(1e-9, 1e9);
+/// Standard deviations requested: far from any that can be had, but such that their squares are numbers.
+const REQUESTED: Allowed = Allowed::between(1e-9, 1e9);
 
 impl Check<'_, '_> {
     pub(super) fn selection(&mut self, selection: &At<schema::Selection>, estimated: &[&str]) -> SelectionSettings {
@@ -70,13 +70,13 @@ impl Check<'_, '_> {
         criteria
     }
 
-    fn accuracies(&mut self, wished: &At<BTreeMap<String, f64>>, estimated: &[&str]) -> Vec<(Accuracy, f64)> {
-        if wished.value.is_empty() {
-            self.fault(&wished.path, Reason::Empty);
+    fn accuracies(&mut self, requested: &At<BTreeMap<String, f64>>, estimated: &[&str]) -> Vec<(Accuracy, f64)> {
+        if requested.value.is_empty() {
+            self.fault(&requested.path, Reason::Empty);
         }
         let mut accuracies = Vec::new();
-        for (name, sigma) in wished.entries() {
-            let value = self.number(&sigma, WISHED);
+        for (name, sigma) in requested.entries() {
+            let value = self.number(&sigma, REQUESTED);
             if name == Accuracy::MAP_ERROR {
                 accuracies.push((Accuracy::MapError, value));
             } else if let Some(j) = estimated.iter().position(|known| known == name) {

@@ -11,7 +11,7 @@ use clap::{Args, ValueEnum};
 use parameters::ParameterArguments;
 use report::text;
 
-use crate::calibration::{Assessment, LossKind, Wish, calibrate_by, other_lens, unknown_camera};
+use crate::calibration::{Assessment, LossKind, Request, calibrate_by, other_lens, unknown_camera};
 use crate::camera::{Camera, Lens};
 use crate::cli::by_name;
 use crate::cli::interrupt::writing;
@@ -128,7 +128,7 @@ pub(crate) fn run(arguments: &CalibrateArguments, screen: &mut Screen) -> Result
         fits: other.map(|other| (other.lens.name(), other.rms)),
     })?;
 
-    let assessment = Assessment::new(observations, &calibration, loss, other, &setting.wished);
+    let assessment = Assessment::new(observations, &calibration, loss, other, &setting.requested);
     let problem = setting.problem.as_ref().map(ProblemReference::new);
     let document = CalibrationDocument::new(problem, &found, &calibration, &assessment);
     let mut files = vec![("calibration.json", document.to_json().into_bytes())];
@@ -157,7 +157,7 @@ pub(crate) fn run(arguments: &CalibrateArguments, screen: &mut Screen) -> Result
 struct Setting {
     known: Known,
     problem: Option<Problem>,
-    wished: Vec<Wish>,
+    requested: Vec<Request>,
 }
 
 impl Setting {
@@ -174,23 +174,23 @@ impl Setting {
             });
             Known { board, image: arguments.image, images }
         };
-        let wish = |problem: &Problem, &(accuracy, wished): &(Accuracy, f64)| match accuracy {
-            Accuracy::MapError => Some(Wish::MapError(wished)),
+        let request = |problem: &Problem, &(accuracy, requested): &(Accuracy, f64)| match accuracy {
+            Accuracy::MapError => Some(Request::MapError(requested)),
             Accuracy::Intrinsic(j) => {
-                problem.estimated.get(j).map(|&intrinsic| Wish::Sigma { intrinsic, sigma: wished })
+                problem.estimated.get(j).map(|&intrinsic| Request::Sigma { intrinsic, sigma: requested })
             }
         };
-        let mut wished: Vec<Wish> = problem
+        let mut requested: Vec<Request> = problem
             .iter()
             .flat_map(|problem| {
-                problem.selection.goal.accuracies().iter().filter_map(|accuracy| wish(problem, accuracy))
+                problem.selection.goal.accuracies().iter().filter_map(|accuracy| request(problem, accuracy))
             })
             .collect();
         if let Some(map_error) = arguments.map_error {
-            wished.retain(|wish| !matches!(wish, Wish::MapError(_)));
-            wished.push(Wish::MapError(map_error));
+            requested.retain(|request| !matches!(request, Request::MapError(_)));
+            requested.push(Request::MapError(map_error));
         }
-        Ok(Self { known, problem, wished })
+        Ok(Self { known, problem, requested })
     }
 }
 

@@ -84,15 +84,15 @@ fn chosen(problem: &Problem, forecast: &Forecast) -> String {
         }
         Goal::Fewest { accuracies } => accuracies,
     };
-    let wished = accuracies.iter().map(|&(accuracy, wished)| match accuracy {
-        Accuracy::MapError => format!("map_error_px {wished}"),
-        Accuracy::Intrinsic(j) => format!("{} {wished}", names[j]),
+    let requested = accuracies.iter().map(|&(accuracy, requested)| match accuracy {
+        Accuracy::MapError => format!("map_error_px {requested}"),
+        Accuracy::Intrinsic(j) => format!("{} {requested}", names[j]),
     });
     let count = match forecast.count {
         Some(count) => format!("about {}", grouped(count)),
         None => "perhaps more than there are".into(),
     };
-    format!("the fewest poses that reach {} ({count})", wished.collect::<Vec<_>>().join(", "))
+    format!("the fewest poses that reach {} ({count})", requested.collect::<Vec<_>>().join(", "))
 }
 
 /// A time as one would say it.

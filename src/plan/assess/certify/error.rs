@@ -35,11 +35,11 @@ pub enum CertifyError {
         /// What the certificate says.
         found: String,
     },
-    /// The accuracies are not those that the problem file wishes for.
+    /// The accuracies are not those that the problem file requests.
     #[error("the accuracies that the plan was made for are not those of the problem file")]
-    Wishes,
+    Requests,
     /// The poses miss the accuracies.
-    #[error("the poses do not reach the accuracy: the least of (wished / reached)² is {value}")]
+    #[error("the poses do not reach the accuracy: the least of (requested / reached)² is {value}")]
     Accuracy {
         /// The plan's value.
         value: f64,

@@ -96,7 +96,7 @@ enum Function {
 }
 
 impl<'a> Evidence<'a> {
-    /// For a plan by `criteria`, shares beside them, or by the accuracies that the problem wishes for.
+    /// For a plan by `criteria`, shares beside them, or by the accuracies that the problem requests.
     pub(super) fn new(
         problem: &'a Problem,
         survey: &'a Survey,
@@ -164,15 +164,15 @@ impl<'a> Evidence<'a> {
         Ok(Term { name: criterion.name(), share, source, known, function })
     }
 
-    /// The worst of the accuracies, each variance as a share of what is wished for.
+    /// The worst of the accuracies, each variance as a share of what is requested.
     fn accuracy_term(&self) -> Term {
         let p = self.known.nrows();
-        let weight = |&(accuracy, wished): &(Accuracy, f64)| {
+        let weight = |&(accuracy, requested): &(Accuracy, f64)| {
             let weight = match accuracy {
                 Accuracy::MapError => self.problem.unknowns().map_error_weight(),
                 Accuracy::Intrinsic(j) => DMatrix::from_fn(p, p, |r, c| if r == j && c == j { 1.0 } else { 0.0 }),
             };
-            weight / (wished * wished)
+            weight / (requested * requested)
         };
         let function = Function::WorstVariance(self.problem.selection.goal.accuracies().iter().map(weight).collect());
         Term { name: Goal::ACCURACY, share: 1.0, source: Source::Intrinsics, known: self.known.clone(), function }

@@ -44,7 +44,7 @@ pub struct Confirmed {
     pub bound: f64,
     /// The efficiency that these two prove.
     pub efficiency: f64,
-    /// Fewer poses than this are proven not to reach the accuracies, if some were wished for and a matrix alone proves it.
+    /// Fewer poses than this are proven not to reach the accuracies, if some were requested and a matrix alone proves it.
     pub least: Option<usize>,
     /// The plan's numbers agree to this share: 10⁻⁸, and what rounding may have moved them by where the poses' information is
     /// all but singular.
@@ -202,7 +202,7 @@ impl Evidence<'_> {
         Ok(bound)
     }
 
-    /// Checks that the poses reach the accuracies that the problem wishes for and that fewer are proven not to; the least
+    /// Checks that the poses reach the accuracies that the problem requests and that fewer are proven not to; the least
     /// number that may, where a matrix alone proves it.
     fn least(
         &self,
@@ -215,16 +215,16 @@ impl Evidence<'_> {
         let FewestDocument { accuracies: stated, least, refutation, nodes } = stated;
         let asked = problem.selection.goal.accuracies();
         if stated.len() != asked.len() {
-            return Err(CertifyError::Wishes);
+            return Err(CertifyError::Requests);
         }
         let names = problem.unknowns().names();
-        for (AccuracyDocument { name, wished, reached }, (accuracy, asked)) in stated.iter().zip(asked) {
+        for (AccuracyDocument { name, requested, reached }, (accuracy, asked)) in stated.iter().zip(asked) {
             let (asked_name, found) = match *accuracy {
                 Accuracy::MapError => ("map_error_px", accuracies.map_error),
                 Accuracy::Intrinsic(j) => (names[j], accuracies.sigma[j]),
             };
-            if name != asked_name || wished != asked {
-                return Err(CertifyError::Wishes);
+            if name != asked_name || requested != asked {
+                return Err(CertifyError::Requests);
             }
             number(&format!("the accuracy reached of {name}"), *reached, found, SAME + accuracies.uncertainty)?;
         }

@@ -19,12 +19,12 @@ use retaken::Taken;
 
 /// How many poses to propose.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Wish {
+pub enum Request {
     /// So many.
     Count(usize),
     /// As few as bring the expected RMS map error, px, down to `map_error`, at most `most`.
     Accuracy {
-        /// The map error wished for, px.
+        /// The map error requested, px.
         map_error: f64,
         /// Most poses to propose.
         most: usize,
@@ -40,7 +40,7 @@ pub struct Proposal {
     pub expected: f64,
     /// What simulated calibrations with these poses came to, with cameras drawn from what is known; none without poses.
     pub rehearsal: Option<Rehearsal>,
-    /// Whether the wish is fulfilled.
+    /// Whether the request is fulfilled.
     pub fulfilled: bool,
     /// The poses; none if what is known suffices.
     pub poses: Vec<PlannedPose>,
@@ -97,7 +97,7 @@ pub fn next(
     problem: &Problem,
     observations: &Observations,
     calibration: &Calibration,
-    wish: Wish,
+    request: Request,
     is_new: bool,
     observe: &(dyn Fn(usize) + Sync),
 ) -> Result<Proposal, PlanError> {
@@ -118,10 +118,12 @@ pub fn next(
     let chooser = Chooser::new(&problem, &survey)?.with_prior(&prior)?;
     let nothing =
         Proposal { known, expected: known, rehearsal: None, fulfilled: false, poses: vec![], repeats: vec![] };
-    let (counts, goal) = match wish {
-        Wish::Count(count) => (count..=count, f64::INFINITY),
-        Wish::Accuracy { map_error, .. } if known <= map_error => return Ok(Proposal { fulfilled: true, ..nothing }),
-        Wish::Accuracy { map_error, most } => {
+    let (counts, goal) = match request {
+        Request::Count(count) => (count..=count, f64::INFINITY),
+        Request::Accuracy { map_error, .. } if known <= map_error => {
+            return Ok(Proposal { fulfilled: true, ..nothing });
+        }
+        Request::Accuracy { map_error, most } => {
             let fewest = problem.constraints.required.len().max(1);
             (fewest..=most.min(survey.views.len()).max(fewest), map_error)
         }

@@ -44,8 +44,8 @@ pub struct CalibrationDocument {
     pub outliers: Vec<OutlierDocument>,
     /// Predicted map error.
     pub map_error_px: MapErrorOverImage,
-    /// Accuracies wished for.
-    pub wished: Vec<WishedAccuracy>,
+    /// Accuracies requested.
+    pub requested: Vec<RequestedAccuracy>,
     /// `good`, `fair`, `weak`, `missed`, `outliers`, `wrong lens` or `not converged`.
     pub judgement: String,
     /// The same in a sentence for people, and what is weak.
@@ -127,13 +127,13 @@ pub struct MapErrorOverImage {
     pub rms: Option<f64>,
 }
 
-/// An accuracy wished for, and what is reached.
+/// An accuracy requested, and what is reached.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
-pub struct WishedAccuracy {
+pub struct RequestedAccuracy {
     /// What is to be accurate: `map error [px]`, `sigma of fx`.
     pub what: String,
-    /// What is wished for, px or the intrinsic's unit.
-    pub wished: f64,
+    /// What is requested, px or the intrinsic's unit.
+    pub requested: f64,
     /// What is reached.
     pub reached: Option<f64>,
 }
@@ -153,7 +153,7 @@ impl CalibrationDocument {
     ) -> Self {
         let Detections { observations, names, skipped } = detections;
         let Calibration { camera, estimated, covariance, .. } = calibration;
-        let Assessment { map_errors, residuals, wished, judgement, lacks: _, verdict } = assessment;
+        let Assessment { map_errors, residuals, requested, judgement, lacks: _, verdict } = assessment;
         let all = camera.lens().parameter_names();
         let name = |i: usize| all[i].to_owned();
         let views = names.iter().enumerate().map(|(i, name)| CalibratedView {
@@ -172,10 +172,10 @@ impl CalibrationDocument {
                 standardised: finite(outlier.standardised),
             }
         });
-        let wished = wished.iter().map(|wish| WishedAccuracy {
-            what: wish.what.clone(),
-            wished: wish.limit,
-            reached: finite(wish.reached),
+        let requested = requested.iter().map(|request| RequestedAccuracy {
+            what: request.what.clone(),
+            requested: request.limit,
+            reached: finite(request.reached),
         });
         Self {
             header: Self::header(),
@@ -208,7 +208,7 @@ impl CalibrationDocument {
                 corner: map_errors.corner,
                 rms: finite(map_errors.rms),
             },
-            wished: wished.collect(),
+            requested: requested.collect(),
             judgement: judgement.name().into(),
             verdict: verdict.clone(),
         }

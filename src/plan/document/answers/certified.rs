@@ -25,7 +25,7 @@ pub struct Certified {
     pub bound: f64,
     /// The efficiency that these two prove.
     pub efficiency: f64,
-    /// Fewer poses than this are proven not to reach the accuracies; `null` unless some were wished for and a matrix alone
+    /// Fewer poses than this are proven not to reach the accuracies; `null` unless some were requested and a matrix alone
     /// proves it.
     pub least_count: Option<usize>,
     /// The plan's numbers agree to this share.

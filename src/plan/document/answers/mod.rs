@@ -9,7 +9,7 @@ mod verification;
 
 pub use calibration::{
     CalibratedView, CalibrationDocument, EstimatedIntrinsics, MapErrorOverImage, OutlierDocument, PictureSize,
-    ResidualLengths, WishedAccuracy,
+    RequestedAccuracy, ResidualLengths,
 };
 pub use certified::{Certified, NotChecked};
 pub use comparison::{ComparisonDocument, ComparisonEquivalent, ComparisonRow, MeasuredRow};

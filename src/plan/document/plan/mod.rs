@@ -33,7 +33,7 @@ pub struct Plan {
     pub header: Header,
     /// The problem it answers.
     pub problem: ProblemReference,
-    /// Name of the criterion; of several with their shares, `0.8 v + 0.2 diversity`; `accuracy` where accuracies were wished
+    /// Name of the criterion; of several with their shares, `0.8 v + 0.2 diversity`; `accuracy` where accuracies were requested
     /// for.
     pub criterion: String,
     /// Name of the method.
@@ -43,7 +43,7 @@ pub struct Plan {
     /// Seed of everything random.
     pub seed: u64,
     /// The criterion's value: log det for `d` and `diversity`, a variance in px² for `a` and `v`, an eigenvalue for `e` and
-    /// `zhang`, the weighted geometric mean Φ of several; for accuracies the least of (wished / reached)².
+    /// `zhang`, the weighted geometric mean Φ of several; for accuracies the least of (requested / reached)².
     pub value: f64,
     /// What no k of the views can surpass: a lower bound for `a` and `v`, an upper bound for the others.
     pub bound: f64,
@@ -63,7 +63,7 @@ pub struct Plan {
     /// How the search for the proven best set went, if there was one.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub search: Option<SearchDocument>,
-    /// Why no fewer poses suffice, if accuracies were wished for.
+    /// Why no fewer poses suffice, if accuracies were requested.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub fewest: Option<FewestDocument>,
     /// Names of the joints, in the order of the poses' joint values.

@@ -58,11 +58,11 @@ pub struct SearchDocument {
 /// Why no fewer poses suffice.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FewestDocument {
-    /// What was wished for, and what the plan reaches.
+    /// What was requested, and what the plan reaches.
     pub accuracies: Vec<AccuracyDocument>,
     /// Fewer poses than this are proven not to suffice; as many as the plan has if the proof is complete.
     pub least: usize,
-    /// The proof that `least - 1` do not suffice: its bound on the least of (wished / reached)² is below 1. Where a search
+    /// The proof that `least - 1` do not suffice: its bound on the least of (requested / reached)² is below 1. Where a search
     /// was needed, the bound that it started from.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub refutation: Option<CertificateDocument>,
@@ -70,20 +70,20 @@ pub struct FewestDocument {
     pub nodes: usize,
 }
 
-/// An accuracy, wished for and reached, as standard deviations.
+/// An accuracy, requested and reached, as standard deviations.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AccuracyDocument {
     /// `map_error_px` or the name of an intrinsic.
     pub name: String,
-    /// What was wished for.
-    pub wished: f64,
+    /// What was requested.
+    pub requested: f64,
     /// What the plan reaches.
     pub reached: f64,
 }
 
 impl AccuracyDocument {
-    pub(super) fn new(Reached { name, wished, reached }: Reached) -> Self {
-        Self { name, wished, reached }
+    pub(super) fn new(Reached { name, requested, reached }: Reached) -> Self {
+        Self { name, requested, reached }
     }
 }
 

@@ -1,4 +1,4 @@
-//! Joint values for a wished pose of the camera, as `calipose reach --json` prints them.
+//! Joint values for a requested pose of the camera, as `calipose reach --json` prints them.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -10,7 +10,7 @@ use crate::problem::Problem;
 use crate::robot::Reached;
 use crate::spatial;
 
-/// Configurations that bring the camera to a wished pose, or near it.
+/// Configurations that bring the camera to a requested pose, or near it.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct ReachDocument {
     /// What it is and what made it.
@@ -18,8 +18,8 @@ pub struct ReachDocument {
     pub header: Header,
     /// The problem.
     pub problem: ProblemReference,
-    /// The wished pose of the camera in the base frame.
-    pub wished: Pose,
+    /// The requested pose of the camera in the base frame.
+    pub requested: Pose,
     /// Whether any configuration takes it.
     pub reached: bool,
     /// Names of the joints, in the order of the joint values.
@@ -37,11 +37,11 @@ pub struct ReachedConfiguration {
     pub joints_rad: Vec<f64>,
     /// Joint values, degrees (mm for prismatic joints).
     pub joints_deg: Vec<f64>,
-    /// Whether it takes the wished pose.
+    /// Whether it takes the requested pose.
     pub reached: bool,
-    /// Distance of the camera from the wished position.
+    /// Distance of the camera from the requested position.
     pub position_error_m: f64,
-    /// Angle of the camera to the wished orientation.
+    /// Angle of the camera to the requested orientation.
     pub angle_error_deg: f64,
     /// Distance of the joints from their limits as a share of half their range, the least: 0 at a limit.
     pub limit_margin: f64,
@@ -57,8 +57,13 @@ impl Document for ReachDocument {
 }
 
 impl ReachDocument {
-    /// What was found for the `wished` pose `X_BC`, and for each the first links in each other's way.
-    pub fn new(problem: &Problem, wished: &spatial::Pose, found: &[Reached], in_the_way: &[Option<LinkPair>]) -> Self {
+    /// What was found for the `requested` pose `X_BC`, and for each the first links in each other's way.
+    pub fn new(
+        problem: &Problem,
+        requested: &spatial::Pose,
+        found: &[Reached],
+        in_the_way: &[Option<LinkPair>],
+    ) -> Self {
         let robot = &problem.robot;
         let name = |link: usize| robot.tree.links[link].name.clone();
         let configuration = |(configuration, pair): (&Reached, &Option<LinkPair>)| ReachedConfiguration {
@@ -74,7 +79,7 @@ impl ReachDocument {
         Self {
             header: Self::header(),
             problem: ProblemReference::new(problem),
-            wished: Pose::new(wished),
+            requested: Pose::new(requested),
             reached: found.iter().any(|configuration| configuration.reached),
             joints: robot.chain.joints.iter().map(|joint| joint.name.clone()).collect(),
             collision_tested: robot.has_bodies(),
