@@ -108,7 +108,7 @@ fn repeated_views_are_said_and_left_out_on_request() {
     assert!(!repeats(&some).is_empty(), "the plan's poses are as good as ever");
     assert!(repeats(&some).iter().all(|view| view.as_str().unwrap().contains(".png")));
     let text = String::from_utf8(calipose(desk.path(), "next out/plan.json seen.json -k 12").stdout).unwrap();
-    assert!(text.contains("taken already (") && text.contains("--new leaves them out"), "{text}");
+    assert!(text.contains("taken already (") && text.contains("--new leaves such poses out"), "{text}");
     let new = json_of(desk.path(), "next out/plan.json seen.json -k 12 --new --json");
     assert_eq!(repeats(&new), [] as [Value; 0]);
     assert_eq!(new["poses"].as_array().unwrap().len(), 12);

@@ -257,7 +257,8 @@ fn errors_are_documents_under_json() {
     assert_eq!(error("check missing.toml", 3)["faults"][0]["file"], "missing.toml");
     assert_eq!(error("plan far.toml", 1)["kind"], "no-plan");
     assert_eq!(error("plan", 2)["kind"], "command-line");
-    assert_eq!(error("plan coarse.toml --count ten", 2)["kind"], "command-line");
+    assert_eq!(error("plan coarse.toml --trials ten", 2)["kind"], "command-line");
+    assert_eq!(error("plan coarse.toml --count ten", 3)["faults"][0]["key"], "selection.count");
     std::fs::write(desk.path("taken"), "a file").unwrap();
     let unwritable = error("plan coarse.toml -o taken/out", 1);
     assert_eq!(unwritable["kind"], "cannot-write");

@@ -108,7 +108,10 @@ fn the_fewest_poses_that_reach_an_accuracy_are_found_and_proven() {
     assert_eq!(less["search"]["end"], "optimal");
     assert!(less["map_error_px"].as_f64().unwrap() > requested);
 
-    assert!(desk.complaint("plan accurate.toml -k 5", 3).contains("excludes `selection.accuracy`"));
+    assert!(
+        desk.complaint("plan accurate.toml -k 5", 3)
+            .contains("`selection.count` and `selection.accuracy` exclude each other")
+    );
     let mut easier = fewest.clone();
     easier["fewest"]["accuracies"][0]["requested"] = json!(requested / 2.0);
     std::fs::write(desk.path("fewest/plan.json"), easier.to_string()).unwrap();

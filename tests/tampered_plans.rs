@@ -190,6 +190,10 @@ fn every_change_of_a_plan_under_constraints_is_noticed() {
                   joints = { waist = [0, 200] }\nmost = 2\n";
     let planned = Planned::new(problem("servosila-engineer", &[COARSE, criterion], groups));
     every_change_is_noticed(&planned, &["/certificate/prices/0/price", "/certificate/terms/1/share"]);
+    // One that is negative would lower the bound of sets that leave room in the group.
+    let mut negative = planned.plan.clone();
+    negative.certificate.prices[0].price *= -1.0;
+    assert!(matches!(planned.certify(&negative), Err(CertifyError::Prices)));
 }
 
 #[test]
@@ -208,6 +212,43 @@ fn every_change_of_a_proven_optimum_is_noticed() {
     let planned = Planned::new(problem("servosila-engineer", &[COARSE, exact], ""));
     assert_eq!(planned.plan.search.as_ref().unwrap().end, "optimal");
     every_change_is_noticed(&planned, &["/search/nodes"]);
+}
+
+/// A bound that is claimed with the efficiency that fits it, and matrices that prove nothing.
+#[test]
+fn a_better_bound_than_the_matrix_proves_is_noticed() {
+    let planned = Planned::new(problem("servosila-engineer", &[COARSE], ""));
+    let refused = |change: &dyn Fn(&mut Plan)| {
+        let mut changed = planned.plan.clone();
+        change(&mut changed);
+        planned.certify(&changed).unwrap_err()
+    };
+    let proven = refused(&|plan| (plan.bound, plan.efficiency) = (plan.value, 1.0));
+    assert!(matches!(&proven, CertifyError::Number { what, .. } if what == "the bound"), "{proven}");
+    for change in [
+        (&|rows: &mut Vec<Vec<f64>>| rows[0][0] = -rows[0][0]) as &dyn Fn(&mut Vec<Vec<f64>>),
+        &|rows| rows[0][1] *= 1.001,
+        &|rows| rows[0][0] = f64::NAN,
+        &|rows| drop(rows.pop()),
+    ] {
+        let error = refused(&|plan| change(&mut plan.certificate.terms[0].matrix));
+        assert!(matches!(error, CertifyError::Matrix { .. }), "{error}");
+    }
+
+    // A search may claim what lies between the poses' value and the matrix's bound, and no more than them if it was ended.
+    let exact =
+        ("criterion = \"v\"\nmethod = \"best\"\ncount = 10", "criterion = \"e\"\nmethod = \"exact\"\ncount = 6");
+    let planned = Planned::new(problem("servosila-engineer", &[COARSE, exact], ""));
+    let Plan { value, certificate, .. } = &planned.plan;
+    let bounds = [value * 0.99, *value, f64::midpoint(*value, certificate.bound), certificate.bound * 1.01];
+    for (end, holds) in [("optimal", [false, true, false, false]), ("node limit", [false, true, true, false])] {
+        for (bound, holds) in bounds.into_iter().zip(holds) {
+            let mut changed = planned.plan.clone();
+            changed.search.as_mut().unwrap().end = end.into();
+            (changed.bound, changed.efficiency) = (bound, value / bound);
+            assert_eq!(planned.certify(&changed).is_ok(), holds, "{end}: {bound} of {bounds:?}");
+        }
+    }
 }
 
 /// Every number is honest, but the poses miss the accuracies, or the matrix does not exclude fewer.
@@ -233,10 +274,18 @@ fn a_plan_for_accuracies_that_proves_less_than_it_says_is_noticed() {
     plan.fewest.as_mut().unwrap().nodes = 0;
     assert!(matches!(certify(&plan, &problem, &survey), Err(CertifyError::Refutation { .. })));
 
+    // Those that were best may not be chosen: the bound does not count them.
+    let ids: Vec<usize> = plan.poses.iter().map(|pose| pose.id).collect();
+    let mut without = problem.clone();
+    without.constraints.forbidden.clone_from(&ids);
+    let planned = Planned::new(without);
+    planned.certify(&planned.plan).unwrap();
+
     // Where those required do there is nothing to refute.
     let mut required = problem.clone();
-    required.constraints.required = plan.poses.iter().map(|pose| pose.id).collect();
+    required.constraints.required = ids;
     let planned = Planned::new(required);
+    planned.certify(&planned.plan).unwrap();
     assert_eq!(planned.plan.fewest.as_ref().unwrap().refutation, None);
     for (least, nodes) in [(count - 1, 0), (count + 1, 0), (count, 1)] {
         let mut changed = planned.plan.clone();

@@ -100,6 +100,23 @@ mod tests {
         assert!(value(&[0, 2, 6, 8, 18, 20, 24, 26, 13, 4]) > value(&[13; 10]) + 1.0);
     }
 
+    /// Distances of equal ratios are evenly spread: standardised they are −√1.5, 0 and √1.5. A tilt by rounding is none.
+    #[test]
+    fn features_are_standardised_logarithms() {
+        let pose = |i: i32| {
+            let R = UnitQuaternion::from_euler_angles(std::f64::consts::PI + 1e-9 * f64::from(i), 0.0, 0.0);
+            Pose::from_parts(Vector3::new(0.0, 0.0, 2f64.powi(i)).into(), R)
+        };
+        let poses = [-1, 0, 1].map(pose);
+        let model = DiversityModel::new(&poses);
+        assert_eq!(model.monomials(), ["1", "distance", "distance * distance"]);
+        for (pose, z) in poses.iter().zip([-1.0, 0.0, 1.0].map(|sign| sign * 1.5f64.sqrt())) {
+            let expected = [1.0, z, z * z, z * z, z * z * z, z * z * z * z];
+            let found = model.information(pose);
+            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?} {expected:?}");
+        }
+    }
+
     /// A camera that never rolls sees a level board tilted about one axis only.
     #[test]
     fn features_that_do_not_vary_are_left_out() {

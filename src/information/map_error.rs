@@ -130,6 +130,16 @@ mod tests {
         assert!((predicted / rms - 1.0).abs() < 2e-3, "{predicted} {rms}");
     }
 
+    /// A focal length moves a point by its distance from the principal point over f: w/√12 over f RMS.
+    #[test]
+    fn pixel_units_of_a_pinhole_are_known() {
+        let pinhole = Camera::new(Lens::Pinhole, 1280, 720, &[1000.0, 900.0, 639.5, 359.5]).unwrap();
+        let expected = [1000.0 * 12f64.sqrt() / 1280.0, 900.0 * 12f64.sqrt() / 720.0, 1.0, 1.0];
+        for (unit, expected) in pixel_units(&pinhole, &[0, 1, 2, 3]).iter().zip(expected) {
+            assert!((unit / expected - 1.0).abs() < 1e-9, "{unit} {expected}");
+        }
+    }
+
     #[test]
     fn errors_over_the_area_average_to_the_weight() {
         let camera = camera();

@@ -226,6 +226,18 @@ mod tests {
         }
     }
 
+    /// They leave the turn about their line open.
+    #[test]
+    fn corners_on_a_line_determine_no_pose() {
+        let camera = Camera::new(Lens::Pinhole, 1280, 720, &[1000.0, 1000.0, 639.5, 359.5]).unwrap();
+        let X_CT = Pose::new(Vector3::new(0.05, -0.03, 0.6), Vector3::new(2.8, 0.2, -0.3));
+        for (columns, rows, determined) in [(8, 2, true), (8, 1, false), (1, 6, false)] {
+            let corners: Vec<_> = Board { columns, rows, square: 0.035 }.corners().collect();
+            let measurement = Measurement { camera: &camera, corners: &corners, noise: 0.3, estimated: &[0, 1] };
+            assert_eq!(measurement.information(&X_CT, &Corners::All).is_some(), determined, "{columns} × {rows}");
+        }
+    }
+
     /// A lens so long that the squares of what the pose explains outweigh the information by eight digits.
     #[test]
     fn a_long_lens_keeps_its_digits() {

@@ -55,5 +55,6 @@ mod tests {
         let distance = found.change.dot(&covariance.lu().solve(&found.change).unwrap());
         assert!((distance - 1.0).abs() < 1e-6, "{distance}");
         assert_eq!(weakest(&DMatrix::zeros(2, 2), &DMatrix::identity(2, 2)), None);
+        assert_eq!(weakest(&DMatrix::identity(2, 2), &DMatrix::zeros(2, 2)), None);
     }
 }

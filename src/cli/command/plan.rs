@@ -44,9 +44,9 @@ pub(crate) struct PlanArguments {
     /// Number of simulated calibrations that check the plan; 0 for none
     #[arg(long, default_value_t = 100, value_parser = trials())]
     trials: usize,
-    /// Write the candidates too
+    /// Write all views that were chosen from too
     #[arg(long, value_name = "FORMAT")]
-    candidates: Option<TableFormat>,
+    views: Option<TableFormat>,
 }
 
 /// Seeds of the k-means runs that the summary sets beside the plan.
@@ -138,18 +138,17 @@ impl PlanArguments {
 
     /// The files to write, the plan last.
     fn files(&self, problem: &Problem, survey: &Survey, plan: &Plan) -> Result<Vec<(&'static str, Vec<u8>)>, Failure> {
-        let views = &survey.views;
-        let candidates = match self.candidates {
-            Some(TableFormat::Csv) => Some(("views.csv", views_csv(problem, views).map_err(in_memory)?)),
+        let table = match self.views {
+            Some(TableFormat::Csv) => Some(("views.csv", views_csv(problem, &survey.views).map_err(in_memory)?)),
             #[cfg(feature = "parquet")]
             Some(TableFormat::Parquet) => {
-                let table = crate::plan::document::views_parquet(problem, views).map_err(in_memory)?;
+                let table = crate::plan::document::views_parquet(problem, &survey.views).map_err(in_memory)?;
                 Some(("views.parquet", table))
             }
             None => None,
         };
         let poses = plan.to_csv(&problem.robot.chain.joints).map_err(in_memory)?;
-        Ok(candidates.into_iter().chain([("plan.csv", poses), (PLAN_FILE, plan.to_json().into_bytes())]).collect())
+        Ok(table.into_iter().chain([("plan.csv", poses), (PLAN_FILE, plan.to_json().into_bytes())]).collect())
     }
 }
 

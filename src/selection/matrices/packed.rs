@@ -223,6 +223,7 @@ mod tests {
                 factored += 1;
                 assert!(!is_resolved(&l, p));
             }
+            assert_eq!(inverse(&unpack(&sum, p)), None);
             // A last one of a hundredth's size resolves it, by either way of telling.
             add(&mut sum, 1e-2);
             assert!(cholesky(&mut sum, p) && is_resolved(&sum, p));
