@@ -135,7 +135,8 @@ mod tests {
     fn pixel_units_of_a_pinhole_are_known() {
         let pinhole = Camera::new(Lens::Pinhole, 1280, 720, &[1000.0, 900.0, 639.5, 359.5]).unwrap();
         let expected = [1000.0 * 12f64.sqrt() / 1280.0, 900.0 * 12f64.sqrt() / 720.0, 1.0, 1.0];
-        for (unit, expected) in pixel_units(&pinhole, &[0, 1, 2, 3]).iter().zip(expected) {
+        let unknowns = Unknowns { camera: &pinhole, estimated: &[0, 1, 2, 3] };
+        for (unit, expected) in unknowns.pixel_units().iter().zip(expected) {
             assert!((unit / expected - 1.0).abs() < 1e-9, "{unit} {expected}");
         }
     }

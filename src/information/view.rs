@@ -232,8 +232,9 @@ mod tests {
         let camera = Camera::new(Lens::Pinhole, 1280, 720, &[1000.0, 1000.0, 639.5, 359.5]).unwrap();
         let X_CT = Pose::new(Vector3::new(0.05, -0.03, 0.6), Vector3::new(2.8, 0.2, -0.3));
         for (columns, rows, determined) in [(8, 2, true), (8, 1, false), (1, 6, false)] {
-            let corners: Vec<_> = Board { columns, rows, square: 0.035 }.corners().collect();
-            let measurement = Measurement { camera: &camera, corners: &corners, noise: 0.3, estimated: &[0, 1] };
+            let corners = Board { columns, rows, square: 0.035 }.corners().collect();
+            let unknowns = Unknowns { camera: &camera, estimated: &[0, 1] };
+            let measurement = Measurement { unknowns, corners, noise: 0.3 };
             assert_eq!(measurement.information(&X_CT, &Corners::All).is_some(), determined, "{columns} × {rows}");
         }
     }

@@ -1,4 +1,4 @@
-"""Shows that other code reads the camera files that calipose writes: the snapshots of tests/camera_formats.rs.
+"""Shows that other code reads the camera files that calipose writes: the snapshots of tests/files/camera_formats.rs.
 
     pip install opencv-python-headless numpy pyyaml
     python opencv_reads_cameras.py

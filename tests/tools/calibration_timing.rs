@@ -1,5 +1,6 @@
 //! Times the calibration of the data sets in a file like `tests/golden/opencv_calibration.json`: one line a set with
 //! the median time in seconds, the cost in px² and the iterations. Used by `benches/against_opencv.py`.
+
 #![allow(mixed_script_confusables, reason = "mathematical names")]
 #![allow(clippy::print_stdout, clippy::unwrap_used, reason = "a small program for people, not part of the library")]
 

@@ -4,6 +4,7 @@
 //! ```text
 //! cargo run --release --example criteria
 //! ```
+
 #![allow(non_snake_case, clippy::print_stdout, clippy::expect_used, reason = "an example that prints")]
 
 use std::error::Error;

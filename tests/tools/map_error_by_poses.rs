@@ -1,5 +1,6 @@
 //! Draws the README's figure, map error against number of poses: `cargo run --release --example map_error_by_poses >
 //! docs/src/map-error-by-poses.svg`.
+
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a tool of the book")]
 
 use std::fmt::Write;

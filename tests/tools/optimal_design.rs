@@ -4,6 +4,7 @@
 //! cargo run --release --example optimal_design            # the table of docs/src/validation.md
 //! cargo run --release --example optimal_design -- 1000000 # one instance of so many candidates, timed
 //! ```
+
 #![allow(non_snake_case, clippy::print_stdout, clippy::expect_used, reason = "an example that prints")]
 
 use std::ops::ControlFlow;

@@ -1,0 +1,15 @@
+//! The program, tried as its users try it.
+
+#![allow(clippy::unwrap_used, non_snake_case, reason = "tests")]
+
+mod calibrate_command;
+mod command_line;
+mod desk;
+mod determinism;
+mod documents;
+mod explain_and_polish;
+mod next_poses;
+mod overrides;
+mod reach;
+mod result_files;
+mod selection_commands;

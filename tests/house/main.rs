@@ -1,0 +1,7 @@
+//! The house itself: which module may use which, and which packages.
+
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+mod architecture;
+mod dependencies;
+mod reading;
