@@ -1,4 +1,5 @@
 //! Calibrates a camera from corners in a file: `cargo run --release --example calibrate_from_corners`.
+#![allow(clippy::print_stdout, reason = "an example talks")]
 
 use std::path::Path;
 

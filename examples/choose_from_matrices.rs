@@ -1,5 +1,6 @@
 //! Chooses eight of a thousand measurements of a straight line's two parameters, from their information matrices alone:
 //! `cargo run --release --example choose_from_matrices`.
+#![allow(clippy::print_stdout, reason = "an example talks")]
 
 use calipose::selection::{InformationFunction, InformationSet, Instance, RelaxationSettings, best};
 use nalgebra::{DMatrix, dvector};

@@ -1,5 +1,6 @@
 //! Plans ten poses for an arm that is described by a URDF file, without a problem file: `cargo run --release --example
 //! plan_from_rust`.
+#![allow(clippy::print_stdout, reason = "an example talks")]
 
 use calipose::camera::{Camera, Lens};
 use calipose::information::Criterion;

@@ -14,8 +14,7 @@ use crate::problem::{Method, Overrides, Problem};
 pub(super) struct ProblemArguments {
     /// Problem file
     pub(super) file: PathBuf,
-    /// Another value for a key of the problem file, by its path, as in camera.fx_px=900 or robot.joints[1].limits_deg=[0,45];
-    /// repeatable
+    /// Another value for a key of the problem file, by its path, as in `camera.fx_px=900`; repeatable
     #[arg(long = "set", value_name = "KEY=VALUE")]
     set: Vec<String>,
 }
