@@ -17,7 +17,7 @@ use crate::problem::Problem;
 const LARGEST: u64 = 100_000_000;
 
 /// A plan and its problem.
-pub(crate) struct Planned {
+pub(crate) struct LoadedPlan {
     pub(crate) plan: Plan,
     pub(crate) problem: Problem,
     /// The plan's text.
@@ -26,23 +26,23 @@ pub(crate) struct Planned {
     mixed: Vec<String>,
 }
 
-impl Planned {
+impl LoadedPlan {
     /// Reads the plan at `path` and its problem: `problem` if given, else the file that `run.json` beside the plan names. The
     /// plan must be of the problem's robot and camera, and among files of its own run.
     pub(crate) fn read(path: &Path, problem: Option<&Path>) -> Result<Self, Failure> {
         Self::read_to_add(path, problem, &[])
     }
 
-    /// As [`Planned::read`], to write the `files` beside the plan, whatever is there under their names.
+    /// As [`LoadedPlan::read`], to write the `files` beside the plan, whatever is there under their names.
     pub(crate) fn read_to_add(path: &Path, problem: Option<&Path>, files: &[&str]) -> Result<Self, Failure> {
-        let planned = Self::open(path, problem)?;
-        planned.among_its_own(path, files)?;
-        let fitted = planned.plan.fit(&planned.problem);
+        let loaded = Self::open(path, problem)?;
+        loaded.among_its_own(path, files)?;
+        let fitted = loaded.plan.fit(&loaded.problem);
         fitted.map_err(|error| Failure::PlanFile { path: path.to_owned(), reason: error.to_string() })?;
-        Ok(planned)
+        Ok(loaded)
     }
 
-    /// As [`Planned::read`], but whatever is beside the plan, and whether it fits its problem or not.
+    /// As [`LoadedPlan::read`], but whatever is beside the plan, and whether it fits its problem or not.
     pub(crate) fn open(path: &Path, problem: Option<&Path>) -> Result<Self, Failure> {
         let refused = |reason: String| Failure::PlanFile { path: path.to_owned(), reason };
         let held = hold_to_read(path);

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::loaded_plan::Planned;
+use crate::cli::loaded_plan::LoadedPlan;
 use crate::cli::output::failure::Failure;
 use crate::cli::output::{Screen, grouped, short};
 use crate::plan::assess::{CertifyError, Unchecked, certify};
@@ -19,14 +19,14 @@ pub(crate) struct CertifyArguments {
 }
 
 pub(crate) fn run(arguments: &CertifyArguments, screen: &mut Screen) -> Result<(), Failure> {
-    let planned = Planned::open(&arguments.plan, arguments.problem.as_deref())?;
+    let loaded = LoadedPlan::open(&arguments.plan, arguments.problem.as_deref())?;
     let refused = |error: CertifyError| Failure::Certify { path: arguments.plan.clone(), error: Box::new(error) };
-    planned.plan.fit(&planned.problem).map_err(|error| refused(error.into()))?;
-    let survey = planned.survey(screen)?;
-    let Planned { plan, problem, text, .. } = &planned;
+    loaded.plan.fit(&loaded.problem).map_err(|error| refused(error.into()))?;
+    let survey = loaded.survey(screen)?;
+    let LoadedPlan { plan, problem, text, .. } = &loaded;
     let mut confirmed = certify(plan, problem, &survey).map_err(refused)?;
     confirmed.unchecked.extend(Unchecked::unknown(text, plan));
-    planned.among_its_own(&arguments.plan, &[])?;
+    loaded.among_its_own(&arguments.plan, &[])?;
     screen.document(&confirmed.document(plan))?;
     let mut text = format!(
         "{}: the certificate holds. Criterion `{}`, {} poses: value {}, bound {} over all {} views, certified efficiency \

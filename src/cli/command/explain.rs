@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::loaded_plan::Planned;
+use crate::cli::loaded_plan::LoadedPlan;
 use crate::cli::number_of;
 use crate::cli::output::failure::Failure;
 use crate::cli::output::{Screen, fixed, joint_columns, short, table};
@@ -40,17 +40,17 @@ pub(crate) fn run(arguments: &ExplainArguments, screen: &mut Screen) -> Result<(
     if arguments.spares > MOST_SPARES {
         return Err(Failure::Usage(format!("--spares must be from 0 to {MOST_SPARES}")));
     }
-    let planned = Planned::read(&arguments.plan, arguments.problem.as_deref())?;
-    let survey = planned.survey(screen)?;
-    let (chooser, selected) = planned.locate(&arguments.plan, &survey)?;
+    let loaded = LoadedPlan::read(&arguments.plan, arguments.problem.as_deref())?;
+    let survey = loaded.survey(screen)?;
+    let (chooser, selected) = loaded.locate(&arguments.plan, &survey)?;
     let most = arguments.most.unwrap_or(2 * selected.len()).min(survey.views.len());
     let settings = ExplainSettings { most, spares: arguments.spares };
     let bar = screen.progress("explaining", most);
-    let explained = explain(&planned.problem, &chooser, &selected, &settings, &|points| bar.inc(points as u64));
+    let explained = explain(&loaded.problem, &chooser, &selected, &settings, &|points| bar.inc(points as u64));
     bar.finish_and_clear();
     let explanation = explained?;
     screen.document(&explanation)?;
-    screen.text(&text(&planned.problem, &explanation))
+    screen.text(&text(&loaded.problem, &explanation))
 }
 
 fn text(problem: &Problem, explanation: &Explanation) -> String {

@@ -7,7 +7,7 @@ use clap::Args;
 use super::plan::pose_table;
 use crate::calibration::{CalibrationSettings, calibrate};
 use crate::cli::interrupt::writing;
-use crate::cli::loaded_plan::Planned;
+use crate::cli::loaded_plan::LoadedPlan;
 use crate::cli::long_work::sweeping;
 use crate::cli::output::collision::untested_text;
 use crate::cli::output::failure::Failure;
@@ -67,8 +67,8 @@ const FILES: [&str; 2] = ["next.json", "next.csv"];
 
 pub(crate) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<Verdict, Failure> {
     let request = arguments.request()?;
-    let planned = Planned::read_to_add(&arguments.plan, arguments.problem.as_deref(), &FILES)?;
-    let Planned { plan, problem, text, .. } = planned;
+    let loaded = LoadedPlan::read_to_add(&arguments.plan, arguments.problem.as_deref(), &FILES)?;
+    let LoadedPlan { plan, problem, text, .. } = loaded;
     let folder = arguments.plan.parent().unwrap_or(Path::new(""));
     probe(folder)?;
     let path = &arguments.observations;

@@ -79,7 +79,7 @@ pub(crate) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<Verd
     let removed = writing(|| write_results(&problem.output, &mut run, &files))?;
 
     let bar = screen.progress("verifying", arguments.trials);
-    let verified = verified(&problem, &survey, &plan, arguments.trials, &|_| bar.inc(1));
+    let verified = verified(&problem, &plan, arguments.trials, &|_| bar.inc(1));
     bar.finish_and_clear();
     let verified = verified?;
     if let Some(found) = &verified {
@@ -155,7 +155,6 @@ impl PlanArguments {
 /// The plan's simulated calibrations, unless none were asked for.
 fn verified(
     problem: &Problem,
-    survey: &Survey,
     plan: &Plan,
     trials: usize,
     observe: &(dyn Fn(usize) + Sync),
@@ -163,8 +162,7 @@ fn verified(
     if trials == 0 {
         return Ok(None);
     }
-    let view = |pose: &PlannedPose| survey.views.iter().find(|view| view.id == pose.id).map(|view| view.q.clone());
-    let configurations: Vec<Vec<f64>> = plan.poses.iter().filter_map(view).collect();
+    let configurations: Vec<Vec<f64>> = plan.poses.iter().map(|pose| pose.joints_rad.clone()).collect();
     Ok(Some(verify(problem, &configurations, &Disturbance::default(), trials, plan.seed, observe)?))
 }
 

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::plan::pose_table;
 use crate::cli::interrupt::writing;
-use crate::cli::loaded_plan::Planned;
+use crate::cli::loaded_plan::LoadedPlan;
 use crate::cli::output::collision::untested_text;
 use crate::cli::output::failure::Failure;
 use crate::cli::output::{Screen, short};
@@ -33,19 +33,19 @@ pub(crate) fn run(arguments: &PolishArguments, screen: &mut Screen) -> Result<()
     if arguments.cycles == 0 {
         return Err(Failure::Usage("--cycles must be at least 1".into()));
     }
-    let planned = Planned::read_to_add(&arguments.plan, arguments.problem.as_deref(), &FILES)?;
+    let loaded = LoadedPlan::read_to_add(&arguments.plan, arguments.problem.as_deref(), &FILES)?;
     let folder = arguments.plan.parent().unwrap_or(Path::new(""));
     probe(folder)?;
-    let survey = planned.survey(screen)?;
-    let (chooser, selected) = planned.locate(&arguments.plan, &survey)?;
+    let survey = loaded.survey(screen)?;
+    let (chooser, selected) = loaded.locate(&arguments.plan, &survey)?;
     let settings = PolishSettings { cycles: arguments.cycles, ..PolishSettings::default() };
     let bar = screen.spinner("polishing");
-    let polished = polish(&planned.problem, &chooser, &selected, &settings, &mut |log_value| {
+    let polished = polish(&loaded.problem, &chooser, &selected, &settings, &mut |log_value| {
         bar.set_message(format!("value {}", short(chooser.natural(log_value))));
         bar.tick();
     });
     bar.finish_and_clear();
-    let Planned { plan, problem, text, .. } = &planned;
+    let LoadedPlan { plan, problem, text, .. } = &loaded;
     let found = polished?.document(problem, &chooser, plan);
 
     let table = found.to_csv(&problem.robot.chain.joints).map_err(|error| Failure::Table(error.to_string()))?;

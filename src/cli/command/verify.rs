@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::loaded_plan::Planned;
+use crate::cli::loaded_plan::LoadedPlan;
 use crate::cli::output::failure::Failure;
 use crate::cli::output::verdict::Verdict;
 use crate::cli::output::{Screen, short, table};
@@ -90,7 +90,7 @@ pub(crate) fn run(arguments: &VerifyArguments, screen: &mut Screen) -> Result<Ve
         return Err(Failure::Usage("--trials must be at least 2".into()));
     }
     let disturbance = arguments.disturbance.disturbance()?;
-    let Planned { plan, problem, .. } = Planned::read(&arguments.plan, arguments.problem.as_deref())?;
+    let LoadedPlan { plan, problem, .. } = LoadedPlan::read(&arguments.plan, arguments.problem.as_deref())?;
     let bar = screen.progress("calibrating", arguments.trials);
     let configurations: Vec<Vec<f64>> = plan.poses.iter().map(|pose| pose.joints_rad.clone()).collect();
     let verified = verify(&problem, &configurations, &disturbance, arguments.trials, arguments.seed, &|_| bar.inc(1));
