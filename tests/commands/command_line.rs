@@ -212,7 +212,7 @@ fn too_many_or_too_few_poses_are_explained() {
         assert!(complaint.contains("1 pose cannot determine all intrinsics; left open: 1.000 "), "{complaint}");
         assert!(complaint.contains("ask for more poses"), "{complaint}");
     }
-    assert!(desk.complaint("plan coarse.toml -k 0", 2).contains("at least 1"));
+    assert!(desk.complaint("plan coarse.toml -k 0", 3).contains("must be from 1 to 42120"));
     assert!(!desk.path("plans").exists());
 }
 
