@@ -3,7 +3,7 @@
     python tests/cross_check/self_collision.py [COUNT] [FILE ...]
 
 Makes a virtual environment with mujoco and coal from PyPI (in $CROSS_CHECK_VENV, or a temporary folder), lets
-`examples/feasibility_dump.rs` print the model and calipose's answers for COUNT (10 000) random configurations and for
+`tests/tools/feasibility_dump.rs` print the model and calipose's answers for COUNT (10 000) random configurations and for
 pairs of them moved to either side of where the verdict changes, builds the same robot as MJCF, and compares configuration
 by configuration (of the Servosila with bodies and of shapes.toml, which has every kind of body and of obstacle, unless files are given):
 

@@ -445,6 +445,7 @@ fn greedy_looks_beyond_the_highest_scores() {
 /// The fewest candidates that reach a level, against exhaustion over every number; with no search at all, what is proven is
 /// true all the same.
 #[test]
+#[ignore = "searches many instances; CI runs it with --release"]
 fn no_fewer_reach_the_level() {
     for seed in 0..SEEDS {
         let mut case = Case::random(seed);

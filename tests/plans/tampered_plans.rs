@@ -172,6 +172,7 @@ fn every_change_of_an_ordinary_plan_is_noticed() {
 }
 
 #[test]
+#[ignore = "half a minute in debug; CI runs it with --release"]
 fn every_change_of_a_plan_for_accuracies_is_noticed() {
     let accuracy = ("criterion = \"v\"\nmethod = \"best\"\ncount = 10", "accuracy = { map_error_px = 3.2, fx = 4.5 }");
     let planned = Planned::new(problem("servosila-engineer", &[COARSE, accuracy], ""));
@@ -193,6 +194,7 @@ fn every_change_of_a_plan_under_constraints_is_noticed() {
 }
 
 #[test]
+#[ignore = "half a minute in debug; CI runs it with --release"]
 fn every_change_of_a_plan_with_bodies_and_stability_is_noticed() {
     let partly = ("margin_px = 5", "margin_px = 5\nmin_corners = 40");
     let planned = Planned::new(problem("servosila-engineer-bodies", &[COARSE, partly], ""));
@@ -350,6 +352,7 @@ fn poses_that_break_a_constraint_are_refused_for_it() {
 
 /// Focal lengths from a door viewer's to a telescope's, every lens model and criterion.
 #[test]
+#[ignore = "half a minute in debug; CI runs it with --release"]
 fn honest_plans_of_all_cameras_hold_and_what_is_beyond_the_tolerance_is_noticed() {
     let mut certified = 0;
     let mut loosest: f64 = 0.0;
