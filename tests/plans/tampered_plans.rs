@@ -212,6 +212,28 @@ fn every_change_of_a_proven_optimum_is_noticed() {
     every_change_is_noticed(&planned, &["/search/nodes"]);
 }
 
+/// `certify` has its own reading of what is known: what one criterion forgot would not agree.
+#[test]
+fn what_is_known_beforehand_counts_in_every_criterion() {
+    let known = "\n[constraints]\ncaptured = [[-34.2, 3.6, -156.9, 0.0], [-14.2, 83.6, -136.9, 0.0]]\n";
+    let prior = ("[estimate]", "[estimate]\nprior_sigma = { fx = 5, cx = 10, k1 = 0.05 }");
+    let nothing = problem("servosila-engineer", &[COARSE], "");
+    let problem = problem("servosila-engineer", &[COARSE, prior], known);
+    let survey = refined_survey(&problem, &|_| {}).unwrap();
+    for criterion in Criterion::ALL {
+        let by = |problem: &Problem| {
+            let mut problem = problem.clone();
+            problem.selection.goal = Goal::Best { criteria: vec![(criterion, 1.0)], count: 8, method: Method::Best };
+            problem
+        };
+        let plan = made(&by(&problem), &survey).unwrap();
+        certify(&plan, &by(&problem), &survey).unwrap_or_else(|error| panic!("{}: {error}", criterion.name()));
+        let without = made(&by(&nothing), &survey).unwrap();
+        assert_ne!(plan.value, without.value, "{}", criterion.name());
+        assert!(certify(&without, &by(&problem), &survey).is_err(), "{}", criterion.name());
+    }
+}
+
 /// A bound that is claimed with the efficiency that fits it, and matrices that prove nothing.
 #[test]
 fn a_better_bound_than_the_matrix_proves_is_noticed() {
