@@ -51,7 +51,7 @@ fn main() {
     };
     let curves = [
         ("this plan", plan),
-        ("no set of so many can be below", bound),
+        ("no set can be below", bound),
         ("k-means on joints", clustered(Method::KMeansJoints)),
         ("k-means on camera positions", clustered(Method::KMeansPositions)),
     ];
@@ -104,9 +104,9 @@ fn svg(curves: &[(&str, Vec<(usize, f64)>)]) -> String {
              <path d=\"M{:.1} {:.1}h24\" stroke=\"{colour}\" stroke-width=\"2\"{dashes}/>\
              <text x=\"{:.1}\" y=\"{:.1}\">{name}</text>",
             points.join(" "),
-            right - 216.0,
+            right - 232.0,
             TOP + 14.0 + 18.0 * i as f64,
-            right - 186.0,
+            right - 202.0,
             TOP + 18.0 + 18.0 * i as f64
         );
     }
