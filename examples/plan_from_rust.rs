@@ -2,9 +2,11 @@
 //! plan_from_rust`.
 #![allow(clippy::print_stdout, reason = "an example talks")]
 
+use std::ops::ControlFlow;
+
 use calipose::camera::{Camera, Lens};
 use calipose::information::Criterion;
-use calipose::plan::choose::Chooser;
+use calipose::plan::choose::{Chooser, decide};
 use calipose::plan::survey::survey;
 use calipose::problem::Problem;
 use calipose::spatial::Pose;
@@ -20,11 +22,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .best(10, &[(Criterion::V, 1.0)])
         .build()?;
     let survey = survey(&problem, &|_| {})?;
-    let (choice, certificate) = Chooser::new(&problem, &survey)?.best(10, 0)?;
-    for &view in &choice.selected {
+    let decision = decide(&Chooser::new(&problem, &survey)?, &mut |_| ControlFlow::Continue(()))?;
+    for &view in &decision.choice.selected {
         println!("{:.3?}", survey.views[view].q);
     }
-    let efficiency = 100.0 * certificate.efficiency(choice.log_value);
-    println!("map error {:.3} px, at least {efficiency:.1} % of the best possible", choice.map_error);
+    let efficiency = 100.0 * decision.certificate.efficiency(decision.choice.log_value);
+    println!("map error {:.3} px, at least {efficiency:.1} % of the best possible", decision.choice.map_error);
     Ok(())
 }

@@ -194,8 +194,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::robot::dh;
-    use crate::robot::dh::{Convention, Row, frame_link};
+    use crate::robot::dh::{self, Convention, Row, frame_link};
     use crate::robot::{Body, JointKind, Shape};
 
     /// A planar arm of three bars of 1 m, each a capsule along its link.

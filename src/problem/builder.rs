@@ -15,9 +15,11 @@ use crate::target::Board;
 /// pixels, as everywhere in the library; messages name the keys of the file and have its units.
 ///
 /// ```
+/// use std::ops::ControlFlow;
+///
 /// use calipose::camera::{Camera, Lens};
 /// use calipose::information::Criterion;
-/// use calipose::plan::choose::Chooser;
+/// use calipose::plan::choose::{Chooser, decide};
 /// use calipose::plan::survey::survey;
 /// use calipose::problem::Problem;
 /// use calipose::spatial::Pose;
@@ -31,8 +33,8 @@ use crate::target::Board;
 ///     .best(8, &[(Criterion::V, 1.0)])
 ///     .build()?;
 /// let survey = survey(&problem, &|_| {})?;
-/// let (choice, certificate) = Chooser::new(&problem, &survey)?.best(8, 0)?;
-/// assert!(certificate.efficiency(choice.log_value) > 0.9);
+/// let decision = decide(&Chooser::new(&problem, &survey)?, &mut |_| ControlFlow::Continue(()))?;
+/// assert!(decision.certificate.efficiency(decision.choice.log_value) > 0.9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]
@@ -142,7 +144,7 @@ impl ProblemBuilder {
     /// Sweeps a low-discrepancy sample of so many configurations.
     #[must_use]
     pub fn sample(mut self, configurations: usize) -> Self {
-        self.file.sweep.sample = Some(configurations as u64);
+        self.file.sweep.sample = Some(whole(configurations));
         self
     }
 
@@ -165,7 +167,7 @@ impl ProblemBuilder {
     pub fn best(mut self, count: usize, criteria: &[(Criterion, f64)]) -> Self {
         let shares = criteria.iter().map(|&(criterion, share)| (criterion.name().to_owned(), share)).collect();
         let selection = &mut self.file.selection;
-        (selection.count, selection.criterion) = (Some(count as u64), Some(TextOrTable::Table(shares)));
+        (selection.count, selection.criterion) = (Some(whole(count)), Some(TextOrTable::Table(shares)));
         selection.accuracy = None;
         self
     }
@@ -216,6 +218,11 @@ impl ProblemBuilder {
 
 fn mm(metres: f64) -> f64 {
     metres * 1e3
+}
+
+/// The greatest whole number of TOML is that of `i64`.
+fn whole(count: usize) -> u64 {
+    i64::try_from(count).unwrap_or(i64::MAX).unsigned_abs()
 }
 
 fn saturating(count: usize) -> u32 {
@@ -285,6 +292,8 @@ mod tests {
         };
         assert_eq!(faults(builder().grid(&[0.1, 0.1], &[0.05])), ["sweep.step_deg"]);
         assert_eq!(faults(builder().noise(0.0)), ["noise.sigma_px"]);
+        assert_eq!(faults(builder().grid(&[], &[]).sample(usize::MAX)), ["sweep.sample"]);
+        assert_eq!(faults(builder().best(usize::MAX, &[(Criterion::V, 1.0)])), ["selection.count"]);
         assert_eq!(faults(builder().noise(f64::NAN)), ["noise.sigma_px"]);
         assert_eq!(faults(builder().estimate(&["fx", "fx"])), ["estimate.intrinsics[1]"]);
         assert_eq!(faults(builder().joint(row("turn", 0.0)).grid(&[0.1, 0.1], &[0.05])), ["robot.joints[2].name"]);

@@ -1,7 +1,6 @@
 //! Faults as miette draws them.
 
-use std::fmt;
-use std::io;
+use std::{fmt, io};
 
 use miette::{Diagnostic, LabeledSpan, MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents};
 

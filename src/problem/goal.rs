@@ -75,6 +75,16 @@ impl Goal {
         }
     }
 
+    /// The terms of what is optimised by their names, with their shares.
+    pub fn terms(&self) -> Vec<(&'static str, f64)> {
+        match self {
+            Self::Best { criteria, .. } => {
+                criteria.iter().map(|&(criterion, share)| (criterion.name(), share)).collect()
+            }
+            Self::Fewest { .. } => vec![(Self::ACCURACY, 1.0)],
+        }
+    }
+
     /// Number of poses, where it is asked for.
     pub fn count(&self) -> Option<usize> {
         match self {

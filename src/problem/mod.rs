@@ -30,8 +30,6 @@ pub use text::{OverrideError, Overrides};
 
 use std::path::{Path, PathBuf};
 
-use sha2::{Digest, Sha256};
-
 use crate::camera::Camera;
 use crate::feasibility::{Checks, Stability, VisibilityLimits};
 use crate::formats::read_at_most;
@@ -51,7 +49,7 @@ pub struct Problem {
     pub name: String,
     /// SHA-256 of the problem file's bytes, in lower-case hexadecimal.
     pub sha256: String,
-    /// Values given in place of the file's.
+    /// Values given in place of the file's, those left out that say the same.
     pub overrides: Overrides,
     /// The arm and the camera's mount.
     pub robot: Robot,
@@ -179,16 +177,9 @@ impl Problem {
             Ok((document, file)) => resolve::resolve(&document, &file, path),
             Err(fault) => Err(vec![*fault]),
         };
-        match problem {
-            Ok(problem) => Ok(Self {
-                sha256: Sha256::digest(text).iter().fold(String::new(), |hex, byte| format!("{hex}{byte:02x}")),
-                overrides: overrides.clone(),
-                ..problem
-            }),
-            Err(faults) => Err(ProblemError::Invalid {
-                file: SourceFile { name: path.to_string_lossy().into_owned(), text: text.to_owned() },
-                faults,
-            }),
-        }
+        problem.map_err(|faults| ProblemError::Invalid {
+            file: SourceFile { name: path.to_string_lossy().into_owned(), text: text.to_owned() },
+            faults,
+        })
     }
 }

@@ -214,8 +214,7 @@ fn damped_step(J: &Matrix6xX<f64>, e: &Vector6<f64>, λ: f64) -> DVector<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::robot::dh;
-    use crate::robot::dh::{Convention, Row};
+    use crate::robot::dh::{self, Convention, Row};
     use crate::robot::{Motion, Stage};
 
     /// A revolute, a prismatic and a revolute joint; the first also drives a stage at the end.

@@ -70,8 +70,7 @@ impl Robot {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::robot::dh;
-    use crate::robot::dh::{Convention, Row};
+    use crate::robot::dh::{self, Convention, Row};
     use crate::spatial::Pose;
 
     fn robot(kind: JointKind, degrees: [f64; 2]) -> Robot {

@@ -3,8 +3,7 @@
 use rayon::prelude::*;
 
 use super::error::SelectionError;
-use super::instance::Instance;
-use super::instance::{EFFORT, packing};
+use super::instance::{EFFORT, Instance, packing};
 
 /// Information assumed before the first pick, as a share of k average views: keeps log Φ finite until the picks
 /// determine every parameter, and too little to weigh once they do.

@@ -125,8 +125,7 @@ mod tests {
     use rand_xoshiro::Xoshiro256Plus;
 
     use super::*;
-    use crate::selection::InformationSet;
-    use crate::selection::{Cap, Constraints, InformationFunction, Separation, Term};
+    use crate::selection::{Cap, Constraints, InformationFunction, InformationSet, Separation, Term};
 
     /// Every replacement tried, by every function, with and without constraints.
     #[test]

@@ -25,8 +25,7 @@ use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, S
 
 use super::certificate::Certificate;
 use super::error::SelectionError;
-use super::function::Curvature;
-use super::function::Gradient;
+use super::function::{Curvature, Gradient};
 use super::greedy::highest;
 use super::instance::Instance;
 use super::packed::dot;

@@ -280,8 +280,7 @@ mod tests {
     use crate::spatial::Pose;
 
     use super::*;
-    use crate::calibration::Start;
-    use crate::calibration::refine;
+    use crate::calibration::{Start, refine};
     use crate::camera::{Camera, Lens};
     use crate::target::Corners;
 

@@ -59,7 +59,7 @@ fn plan_says_and_writes_what_it_found() {
     }
     assert_eq!(plan["format"], "calipose.plan");
     assert_eq!(plan["version"], 3);
-    assert_eq!(keys(&plan["problem"]), ["name", "sha256", "set"]);
+    assert_eq!(keys(&plan["problem"]), ["name", "sha256"]);
     assert_eq!(keys(&plan["survey"]), ["swept", "axis_inside", "axis_edge", "views", "rejected"]);
     assert_eq!(keys(&plan["intrinsics"]), ["names", "nominal", "sigma"]);
     assert_eq!(keys(&plan["certificate"]), ["bound", "terms"]);

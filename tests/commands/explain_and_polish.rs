@@ -102,7 +102,7 @@ fn polish_writes_better_poses_beside_the_plan() {
     assert!(table.lines().count() == 11 && table.lines().nth(1).unwrap().starts_with(&first), "{table}");
     assert_eq!(before, std::fs::read(desk.path().join("out/plan.json")).unwrap());
     // The same plan made again keeps what was polished of it; another takes it away, and says so.
-    let again = stdout(desk.path(), "plan problem.toml --trials 0 -o out");
+    let again = stdout(desk.path(), &format!("plan problem.toml --trials 0 -k {} -o out", plan.count));
     assert!(!again.contains("Removed") && desk.path().join("out/polished.csv").exists(), "{again}");
     stdout(desk.path(), "polish out/plan.json --cycles 1 -q");
     let other = stdout(desk.path(), "plan problem.toml --trials 0 -k 9 -o out");
@@ -141,7 +141,9 @@ fn what_is_no_plan_of_the_problem_is_refused() {
         change(&|plan| plan.poses[0] = plan.poses[1].clone());
         assert!(complaint(desk.path(), &plan, 3).contains("is in it twice"));
         change(&|plan| plan.certificate.terms[0].criterion = "best".into());
-        assert!(complaint(desk.path(), &plan, 3).contains("no criterion of the problem"));
+        assert!(
+            complaint(desk.path(), &plan, 3).contains("its certificate is for \"1 best\"; the problem asks for \"v\"")
+        );
         change(&|plan| plan.poses.truncate(0));
         assert!(complaint(desk.path(), &plan, 3).contains("joint values"));
     }

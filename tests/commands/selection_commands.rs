@@ -254,7 +254,9 @@ fn a_plan_that_was_tampered_with_does_not_hold() {
     let complaint = tampered(&|plan| plan["poses"][1] = plan["poses"][0].clone());
     assert!(complaint.contains("is in it twice"), "{complaint}");
     let complaint = tampered(&|plan| plan["criterion"] = json!("d"));
-    assert!(complaint.contains("its certificate is for"), "{complaint}");
+    assert!(complaint.contains("it optimises \"d\"; the problem asks for \"v\""), "{complaint}");
+    let complaint = tampered(&|plan| plan["certificate"]["terms"][0]["criterion"] = json!("d"));
+    assert!(complaint.contains("its certificate is for \"1 d\""), "{complaint}");
 }
 
 /// The shipped robot and board with another lens, and sections of their own from `[sweep]` on.

@@ -77,12 +77,12 @@ fn verdicts_are_the_same_on_any_number_of_threads() {
 fn plans_have_the_tip_over_margin_of_every_pose() {
     let problem = bodies();
     let survey = survey(&problem, &|_| {}).unwrap();
-    let chooser = Chooser::new(&problem, &survey).unwrap();
     let mut settings = problem.clone();
     settings.selection.goal =
         Goal::Best { criteria: problem.selection.goal.criteria().into(), count: 8, method: Method::Best };
-    let (decision, chooser) = decide(&settings, chooser, &mut |_| ControlFlow::Continue(())).unwrap();
-    let plan = Plan::new(&problem, &chooser, &decision).unwrap();
+    let chooser = Chooser::new(&settings, &survey).unwrap();
+    let decision = decide(&chooser, &mut |_| ControlFlow::Continue(())).unwrap();
+    let plan = Plan::new(&chooser, &decision).unwrap();
     let json: serde_json::Value = serde_json::from_str(&plan.to_json()).unwrap();
     for (pose, &i) in json["poses"].as_array().unwrap().iter().zip(&decision.choice.selected) {
         assert_eq!(pose["stability_margin_m"].as_f64(), survey.views[i].stability_margin);

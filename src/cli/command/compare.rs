@@ -8,8 +8,7 @@ use crate::cli::output::failure::Failure;
 use crate::cli::output::{Screen, short, table};
 use crate::cli::{number_of, trials};
 use crate::plan::assess::{Equivalent, Row, compare, equivalent_kmeans, verify};
-use crate::plan::choose::refined_survey;
-use crate::plan::choose::{Choice, Chooser};
+use crate::plan::choose::{Choice, Chooser, refined_survey};
 use crate::plan::survey::Survey;
 use crate::problem::{Method, Problem};
 use crate::verification::{Disturbance, MonteCarlo};
@@ -52,7 +51,8 @@ pub(crate) fn run(arguments: &CompareArguments, screen: &mut Screen) -> Result<(
     } else {
         arguments.counts.clone()
     };
-    let chooser = Chooser::new(&problem, &survey)?;
+    // A number of poses is compared by criteria; accuracies would set it.
+    let chooser = Chooser::new(&problem, &survey)?.by(&problem.selection.goal.criteria())?;
     // The exact search may take minutes, and chooses what `best` does or a little better.
     let methods: Vec<Method> = Method::ALL.into_iter().filter(|&method| method != Method::Exact).collect();
     let bar = screen.progress("comparing", methods.len() * counts.len());

@@ -63,9 +63,8 @@ pub(crate) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<Verd
     let survey_time = start.elapsed();
 
     let chooser = Chooser::new(&problem, &survey)?;
-    let decision = searching(screen, &problem, |observe| decide(&problem, chooser, observe));
-    let (decision, chooser) = decision?;
-    let plan = Plan::new(&problem, &chooser, &decision)?;
+    let decision = searching(screen, &problem, |observe| decide(&chooser, observe))?;
+    let plan = Plan::new(&chooser, &decision)?;
 
     // The plan is safe before its simulated calibrations, which may take long, are looked at.
     let seconds = RunSeconds {

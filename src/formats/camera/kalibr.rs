@@ -1,8 +1,7 @@
 //! Kalibr's camchain in YAML, and the `sensor.yaml` of `EuRoC`, which has the same keys.
 
 use super::format::{Export, Import, WriteError};
-use super::intrinsics;
-use super::intrinsics::{LensNames, Matrix};
+use super::intrinsics::{self, LensNames, Matrix};
 use super::stated::StatedCamera;
 use super::unsupported;
 use crate::camera::{Camera, Lens};

@@ -1,8 +1,7 @@
 //! mrcal's cameramodel: a Python dict.
 
 use super::format::{Export, Import, WriteError};
-use super::intrinsics;
-use super::intrinsics::LensNames;
+use super::intrinsics::{self, LensNames};
 use super::stated::StatedCamera;
 use crate::camera::{Camera, Lens};
 use crate::formats::error::{ReadError, ReadFault};

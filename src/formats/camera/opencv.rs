@@ -1,8 +1,7 @@
 //! OpenCV's `FileStorage` in YAML, XML and JSON, with the keys of its calibration samples.
 
 use super::format::{Export, Import, WriteError};
-use super::intrinsics;
-use super::intrinsics::{Matrix, camera_matrix};
+use super::intrinsics::{self, Matrix, camera_matrix};
 use super::stated::StatedCamera;
 use crate::camera::{Camera, Lens};
 use crate::formats::error::{ReadError, ReadFault};

@@ -1,8 +1,7 @@
 //! ROS `CameraInfo` in YAML: the file that `camera_calibration_parsers` reads and writes, and the message as `topic echo` prints it.
 
 use super::format::{Export, Import, WriteError};
-use super::intrinsics;
-use super::intrinsics::{LensNames, Matrix, camera_matrix};
+use super::intrinsics::{self, LensNames, Matrix, camera_matrix};
 use super::stated::StatedCamera;
 use crate::camera::{Camera, Lens};
 use crate::formats::error::{ReadError, ReadFault};

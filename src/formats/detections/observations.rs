@@ -5,9 +5,8 @@ use nalgebra::Vector2;
 use super::known::Known;
 use super::listed_image::{Detected, LARGEST_PIXEL, ListedImage, ListedImages};
 use crate::formats::error::{ReadError, ReadFault};
-use crate::formats::image_size;
-use crate::formats::tree;
 use crate::formats::tree::Node;
+use crate::formats::{image_size, tree};
 use crate::target::Board;
 
 const FORMAT: &str = "calipose.observations";

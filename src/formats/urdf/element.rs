@@ -5,8 +5,7 @@ use roxmltree::{Document, Error, Node};
 
 use super::error::{UrdfError, UrdfFault};
 use super::note::{UrdfNote, UrdfRemark};
-use crate::formats::xml;
-use crate::formats::xml::XmlError;
+use crate::formats::xml::{self, XmlError};
 use crate::spatial::Pose;
 
 /// An element of a robot description.

@@ -207,8 +207,8 @@ mod tests {
 
     fn planned<'a>(problem: &'a Problem, survey: &'a Survey) -> (Chooser<'a>, Choice) {
         let chooser = Chooser::new(problem, survey).unwrap();
-        let (decision, chooser) = decide(problem, chooser, &mut |_| ControlFlow::Continue(())).unwrap();
-        let plan = Plan::new(problem, &chooser, &decision).unwrap();
+        let decision = decide(&chooser, &mut |_| ControlFlow::Continue(())).unwrap();
+        let plan = Plan::new(&chooser, &decision).unwrap();
         let read = Plan::from_json(&plan.to_json()).unwrap();
         let (located, selected) = read.locate(problem, survey).unwrap();
         assert_eq!(located.criterion(), chooser.criterion());

@@ -303,8 +303,9 @@ impl<'a> Chosen<'a> {
         let settings = &problem.selection;
         let selection = Growth::new(sizes, poses, |size| {
             choose(size, &|chooser| match settings.goal {
-                Goal::Fewest { .. } => chooser.by_accuracies().best(poses, settings.seed).map(drop),
-                Goal::Best { method: Method::Best | Method::Exact, .. } => chooser.best(poses, settings.seed).map(drop),
+                Goal::Fewest { .. } | Goal::Best { method: Method::Best | Method::Exact, .. } => {
+                    chooser.best(poses, settings.seed).map(drop)
+                }
                 Goal::Best { method, .. } => {
                     chooser.choose(method, poses, settings.seed)?;
                     chooser.certificate(poses).map(drop)
@@ -339,7 +340,7 @@ impl<'a> Chosen<'a> {
     /// do not suffice.
     fn fewest(&self, views: f64) -> Option<usize> {
         let m = self.survey.views.len() as f64;
-        let chooser = Chooser::new(self.problem, &self.survey).ok()?.by_accuracies();
+        let chooser = Chooser::new(self.problem, &self.survey).ok()?;
         let mut count = CHOSEN as f64;
         for _ in 0..5 {
             // So many of the pilot's are as dense among them as `count` among all; of few the best are a little better.

@@ -4,11 +4,10 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use thiserror::Error;
 
 use crate::figures::grouped;
-use crate::information::Criterion;
 use crate::plan::choose::{Chooser, PlanError};
 use crate::plan::document::{Plan, PlannedPose, joints_deg};
 use crate::plan::survey::Survey;
-use crate::problem::{Goal, Problem};
+use crate::problem::Problem;
 
 /// Why a plan does not fit the survey.
 #[derive(Debug, Error)]
@@ -66,11 +65,21 @@ pub enum LocateError {
         /// The pose's id.
         id: usize,
     },
-    /// What it optimises is not known.
-    #[error("it optimises \"{criterion}\", which is no criterion of the problem")]
+    /// It optimises something else.
+    #[error("it optimises \"{stated}\"; the problem asks for \"{found}\"")]
     Criterion {
         /// What it says.
-        criterion: String,
+        stated: String,
+        /// What the problem asks for.
+        found: String,
+    },
+    /// Its certificate is for something else.
+    #[error("its certificate is for \"{stated}\"; the problem asks for \"{found}\"")]
+    Certificate {
+        /// What the certificate's terms say.
+        stated: String,
+        /// What the problem asks for.
+        found: String,
     },
     /// The problem's constraints or criteria cannot be held.
     #[error(transparent)]
@@ -96,16 +105,15 @@ impl Plan {
         if self.intrinsics.nominal != problem.unknowns().values() {
             return Err(LocateError::Camera);
         }
-        // The command line may ask for one criterion, but several are the file's.
-        let asked = problem.selection.goal.criteria();
-        let is_asked = |(stated, asked): (&(Criterion, f64), &(Criterion, f64))| {
-            stated.0 == asked.0 && (stated.1 - asked.1).abs() < 1e-12
-        };
-        let is_files = |criteria: &[(Criterion, f64)]| {
-            criteria.len() == 1 || criteria.len() == asked.len() && criteria.iter().zip(asked.iter()).all(is_asked)
-        };
-        if self.criteria().is_some_and(|criteria| !is_files(&criteria)) {
-            return Err(LocateError::Criterion { criterion: self.criterion.clone() });
+        let goal = &problem.selection.goal;
+        if self.criterion != goal.to_string() {
+            return Err(LocateError::Criterion { stated: self.criterion.clone(), found: goal.to_string() });
+        }
+        let proven = self.certificate.terms.iter().map(|term| (term.criterion.as_str(), term.share));
+        if !proven.clone().eq(goal.terms()) {
+            let stated =
+                proven.map(|(criterion, share)| format!("{share} {criterion}")).collect::<Vec<_>>().join(" + ");
+            return Err(LocateError::Certificate { stated, found: goal.to_string() });
         }
         let dof = chain.dof();
         if self.poses.is_empty() || self.poses.iter().any(|pose| pose.joints_rad.len() != dof) {
@@ -117,25 +125,17 @@ impl Plan {
         }
     }
 
-    /// The chooser that made the plan, by its criteria or by the accuracies that the problem requests, and its poses as
-    /// indices into the survey's views, in the plan's order.
+    /// The chooser that made the plan, by what the problem asks for, and its poses as indices into the survey's views, in the
+    /// plan's order.
     ///
     /// # Errors
-    /// When a pose is no view of the survey, or the criteria are not known.
+    /// When a pose is no view of the survey, or the constraints cannot be held.
     pub fn locate<'a>(
         &self,
         problem: &'a Problem,
         survey: &'a Survey,
     ) -> Result<(Chooser<'a>, Vec<usize>), LocateError> {
-        let chooser = Chooser::new(problem, survey)?;
-        let chooser = match self.criteria() {
-            Some(criteria) => chooser.by(&criteria)?,
-            None if self.criterion == Goal::ACCURACY && !problem.selection.goal.accuracies().is_empty() => {
-                chooser.by_accuracies()
-            }
-            None => return Err(LocateError::Criterion { criterion: self.criterion.clone() }),
-        };
-        Ok((chooser, self.places(survey)?))
+        Ok((Chooser::new(problem, survey)?, self.places(survey)?))
     }
 
     /// The poses' places among the survey's views, whose joint values must be theirs.

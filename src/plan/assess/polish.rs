@@ -406,7 +406,10 @@ mod tests {
             vec![(Criterion::Diversity, 1.0)],
             vec![(Criterion::V, 0.6), (Criterion::E, 0.2), (Criterion::Diversity, 0.2)],
         ];
-        let choosers = criteria.iter().map(|criteria| chooser.by(criteria).unwrap()).chain([chooser.by_accuracies()]);
+        let choosers = criteria
+            .iter()
+            .map(|criteria| chooser.by(criteria).unwrap())
+            .chain([Chooser::new(&problem, &survey).unwrap()]);
         for chooser in choosers {
             let grid = chooser.choose(Method::Greedy, 8, 0).unwrap();
             let checks = problem.checks();

@@ -11,8 +11,7 @@ use super::objective::Objective;
 use super::{kmeans, random};
 use crate::information::Criterion;
 use crate::plan::survey::Survey;
-use crate::problem::Method;
-use crate::problem::{Accuracy, Problem};
+use crate::problem::{Accuracy, Goal, Method, Problem};
 use crate::selection::packed::{inverse, pack, packed_len, unpack};
 use crate::selection::{
     Best, Certificate, Constraints, Fewest, InformationFunction, Instance, NotEnough, RelaxationSettings, Search,
@@ -33,27 +32,31 @@ pub struct Chooser<'a> {
 }
 
 impl<'a> Chooser<'a> {
-    /// A chooser for the problem that was surveyed, by its criteria and within its constraints.
+    /// A chooser for the problem that was surveyed, by what it asks for and within its constraints.
     ///
     /// # Errors
     /// When the constraints cannot be held, or a view does not give what a criterion needs.
     pub fn new(problem: &'a Problem, survey: &'a Survey) -> Result<Self, PlanError> {
         let captured = captured(problem)?;
         let known = known(problem, &captured)?;
-        Self::with(problem, survey, &problem.selection.goal.criteria(), known, captured)
+        let objective = match &problem.selection.goal {
+            Goal::Best { criteria, .. } => Objective::new(problem, survey, criteria, &known, &captured)?,
+            Goal::Fewest { accuracies } => Objective::of_accuracies(problem, survey, accuracies, &known),
+        };
+        Self::with(problem, survey, objective, known, captured)
     }
 
     fn with(
         problem: &'a Problem,
         survey: &'a Survey,
-        criteria: &[(Criterion, f64)],
+        objective: Objective<'a>,
         prior: DMatrix<f64>,
         captured: Vec<Captured>,
     ) -> Result<Self, PlanError> {
         Ok(Self {
             problem,
             survey,
-            objective: Objective::new(problem, survey, criteria, &prior, &captured)?,
+            objective,
             constraints: constraints(problem, survey)?,
             settings: RelaxationSettings { tolerance: problem.selection.tolerance, ..RelaxationSettings::default() },
             map_error: InformationFunction::variance(&survey.map_weight),
@@ -62,16 +65,17 @@ impl<'a> Chooser<'a> {
         })
     }
 
-    /// The same chooser by other criteria, each with its share.
+    /// The same chooser by criteria, each with its share.
     ///
     /// # Errors
     /// As [`Chooser::new`].
     pub fn by(&self, criteria: &[(Criterion, f64)]) -> Result<Self, PlanError> {
-        Self::with(self.problem, self.survey, criteria, self.prior.clone(), self.captured.clone())
+        self.by_criteria_knowing(criteria, self.prior.clone())
     }
 
     /// The same chooser when the p×p information `prior` on the intrinsics is known too: that of the views taken, say.
-    /// Criteria that are not of the intrinsics know nothing of it and are left out; if none remains, `v` takes their place.
+    /// Criteria that are not of the intrinsics know nothing of it and are left out; if none remains, `v` takes their place, as it
+    /// does that of accuracies.
     ///
     /// # Errors
     /// As [`Chooser::new`].
@@ -85,22 +89,12 @@ impl<'a> Chooser<'a> {
         for (_, share) in &mut criteria {
             *share /= sum;
         }
-        Self::with(self.problem, self.survey, &criteria, &self.prior + prior, self.captured.clone())
+        self.by_criteria_knowing(&criteria, &self.prior + prior)
     }
 
-    /// The same chooser by the accuracies that the problem requests, instead of its criteria.
-    pub(crate) fn by_accuracies(&self) -> Self {
-        let accuracies = self.problem.selection.goal.accuracies();
-        Self {
-            problem: self.problem,
-            survey: self.survey,
-            objective: Objective::of_accuracies(self.problem, self.survey, accuracies, &self.prior),
-            constraints: self.constraints.clone(),
-            settings: self.settings,
-            map_error: self.map_error.clone(),
-            prior: self.prior.clone(),
-            captured: self.captured.clone(),
-        }
+    fn by_criteria_knowing(&self, criteria: &[(Criterion, f64)], prior: DMatrix<f64>) -> Result<Self, PlanError> {
+        let objective = Objective::new(self.problem, self.survey, criteria, &prior, &self.captured)?;
+        Self::with(self.problem, self.survey, objective, prior, self.captured.clone())
     }
 
     /// What it optimises: `v`, or `0.8 v + 0.2 diversity`, or `accuracy`.
@@ -110,6 +104,10 @@ impl<'a> Chooser<'a> {
 
     pub(crate) fn objective(&self) -> &Objective<'a> {
         &self.objective
+    }
+
+    pub(crate) fn problem(&self) -> &'a Problem {
+        self.problem
     }
 
     pub(crate) fn survey(&self) -> &'a Survey {
@@ -152,42 +150,39 @@ impl<'a> Chooser<'a> {
         Ok((self.assess(found.selected.clone()), start.relaxation.certificate, found))
     }
 
-    /// The fewest poses that reach the accuracies which the problem requests, and the chooser by accuracies that explains
-    /// the choice. `observe` as in [`Chooser::exact`].
+    /// The fewest poses that reach the accuracies which the problem requests. `observe` as in [`Chooser::exact`].
     ///
     /// # Errors
     /// When the accuracies are out of reach, and as [`Chooser::best`].
-    pub fn fewest(
+    pub(super) fn fewest(
         &self,
         seed: u64,
         observe: &mut dyn FnMut(&SearchProgress) -> ControlFlow<()>,
-    ) -> Result<(Choice, Fewest, Self), PlanError> {
-        let chooser = self.by_accuracies();
+    ) -> Result<(Choice, Fewest), PlanError> {
         let most = self.survey.views.len();
-        let instance = chooser.instance(most.min(self.constraints.required.len().max(1)))?;
+        let instance = self.instance(most.min(self.constraints.required.len().max(1)))?;
         let node_limit = self.problem.selection.node_limit;
         let found = fewest(&instance, 0.0, most, &self.settings, seed, node_limit, observe);
         let found = found.map_err(|error| match error {
-            NotEnough::Selection(error) => chooser.explain(error),
+            NotEnough::Selection(error) => self.explain(error),
             NotEnough::Never { selected, log_bound } => PlanError::Inaccurate {
                 count: selected.len(),
                 shortfalls: {
-                    let reached = chooser.reached(&chooser.assess(selected)).into_iter();
+                    let reached = self.reached(&self.assess(selected)).into_iter();
                     reached.filter(|accuracy| accuracy.reached > accuracy.requested).collect()
                 },
                 // Φ is of variances, the accuracies of their roots.
                 bound: (0.5 * log_bound).exp(),
             },
         })?;
-        drop(instance);
-        Ok((chooser.assess(found.best.selected.clone()), found, chooser))
+        Ok((self.assess(found.best.selected.clone()), found))
     }
 
     /// The accuracies that the problem requests, in its order, and what a choice reaches.
     pub(crate) fn reached(&self, choice: &Choice) -> Vec<Reached> {
         let names = self.problem.unknowns().names();
         let reached = |&(accuracy, requested): &(Accuracy, f64)| match accuracy {
-            Accuracy::MapError => Reached { name: "map_error_px".into(), requested, reached: choice.map_error },
+            Accuracy::MapError => Reached { name: Accuracy::MAP_ERROR.into(), requested, reached: choice.map_error },
             Accuracy::Intrinsic(j) => {
                 let reached = choice.sigma.get(j).copied().unwrap_or(f64::INFINITY);
                 Reached { name: names[j].into(), requested, reached }

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use super::choice::Choice;
 use super::chooser::Chooser;
 use super::error::PlanError;
-use crate::problem::{Goal, Method, Problem, SelectionSettings};
+use crate::problem::{Goal, Method, SelectionSettings};
 use crate::selection::{Certificate, Refutation, SearchEnd, SearchProgress};
 
 /// A choice and what is proven of it.
@@ -43,25 +43,24 @@ pub struct FewestProof {
     pub refutation: Option<Refutation>,
 }
 
-/// Chooses as the problem asks, by its criteria or the accuracies it requests, and certifies. Returns the chooser that
-/// explains the choice too. `observe` hears of searches and may end them; what is found by then is returned.
+/// Chooses as the chooser's problem asks, and certifies. `observe` hears of searches and may end them; what is found by then is
+/// returned.
 ///
 /// # Errors
 /// When no choice is possible, or it leaves a combination of the intrinsics undetermined or all but so.
-pub fn decide<'a>(
-    problem: &Problem,
-    chooser: Chooser<'a>,
+pub fn decide(
+    chooser: &Chooser,
     observe: &mut dyn FnMut(&SearchProgress) -> ControlFlow<()>,
-) -> Result<(Decision, Chooser<'a>), PlanError> {
-    let SelectionSettings { goal, seed, .. } = &problem.selection;
+) -> Result<Decision, PlanError> {
+    let SelectionSettings { goal, seed, .. } = &chooser.problem().selection;
     let (count, method) = match goal {
         Goal::Best { count, method, .. } => (*count, *method),
         Goal::Fewest { .. } => {
-            let (choice, found, chooser) = chooser.fewest(*seed, observe)?;
+            let (choice, found) = chooser.fewest(*seed, observe)?;
             let certificate = found.best.relaxation.certificate;
             let log_bound = certificate.log_bound;
             let fewest = Some(FewestProof { least: found.least, refutation: found.refutation });
-            return Ok((Decision { choice, certificate, log_bound, search: None, fewest }, chooser));
+            return Ok(Decision { choice, certificate, log_bound, search: None, fewest });
         }
     };
     let (choice, certificate, search) = match method {
@@ -83,7 +82,7 @@ pub fn decide<'a>(
     chooser.require_efficient(&choice, log_bound)?;
     let search =
         search.map(|search| SearchSummary { end: search.end, nodes: search.nodes, open_at_root: search.open_at_root });
-    Ok((Decision { choice, certificate, log_bound, search, fewest: None }, chooser))
+    Ok(Decision { choice, certificate, log_bound, search, fewest: None })
 }
 
 #[cfg(test)]
@@ -92,6 +91,7 @@ mod tests {
 
     use super::*;
     use crate::plan::survey::survey;
+    use crate::problem::Problem;
 
     #[test]
     fn hardly_any_of_the_possible_information_is_no_plan() {
@@ -101,8 +101,7 @@ mod tests {
         let survey = survey(&problem, &|_| {}).unwrap();
         let chooser = Chooser::new(&problem, &survey).unwrap();
         // Two views that determine all nine intrinsics by the book, and to thousands of pixels.
-        let refused =
-            decide(&problem, Chooser::new(&problem, &survey).unwrap(), &mut |_| ControlFlow::Continue(())).map(drop);
+        let refused = decide(&chooser, &mut |_| ControlFlow::Continue(()));
         let Err(PlanError::HardlyObservable { count: 2, combination }) = refused else { panic!("{refused:?}") };
         assert_eq!(combination.len(), problem.estimated.len());
         // Just inside and just outside of the floor.

@@ -7,6 +7,7 @@ use super::choice::Reached;
 use super::constraints::ConstraintError;
 use crate::figures::grouped;
 use crate::plan::survey::SurveyError;
+use crate::problem::Accuracy;
 use crate::selection::SelectionError;
 
 /// Why a problem has no plan.
@@ -133,7 +134,7 @@ fn describe_reach(count: usize, bound: f64) -> String {
 
 fn describe_shortfalls(shortfalls: &[Reached]) -> String {
     let each = shortfalls.iter().map(|Reached { name, requested, reached }| {
-        let what = if name == "map_error_px" { "the map error in px".into() } else { format!("sigma of {name}") };
+        let what = if name == Accuracy::MAP_ERROR { "the map error in px".into() } else { format!("sigma of {name}") };
         format!("{what} is {reached:.4} where {requested} is requested")
     });
     each.collect::<Vec<_>>().join(", ")

@@ -1,23 +1,20 @@
 //! From the problem file's schema to the models: every check, and every conversion of units.
 
-mod bodies;
 mod camera;
 mod check;
 mod constraints;
-mod dh_table;
 mod estimate;
-mod scene;
+mod robot;
 mod selection;
 mod sweep;
 mod target;
-mod urdf;
 mod visibility;
 
 use std::path::{Path, PathBuf};
 
 use super::fault::{Allowed, Fault, Reason};
 use super::text::{At, Document, key};
-use super::{Overrides, Problem, schema};
+use super::{Problem, schema};
 use crate::camera::Camera;
 use check::{Check, SIZE};
 
@@ -33,10 +30,7 @@ pub(super) fn resolve(document: &Document, file: &schema::File, path: &Path) -> 
     let name = check.name(&key!(file, name), &stem);
     let output = check.output(key!(file, output.folder), &name);
     let folder = path.parent().unwrap_or(Path::new(""));
-    let mut robot = match key!(file, robot.urdf).given() {
-        Some(urdf) => check.described_robot(file, &urdf, folder),
-        None => check.robot(file),
-    };
+    let mut robot = check.robot(file, folder);
     check.scene(&key!(file, scene), robot.as_mut());
     let camera = check.camera(&key!(file, camera), folder);
     let target = check.target(&key!(file, target));
@@ -72,8 +66,8 @@ pub(super) fn resolve(document: &Document, file: &schema::File, path: &Path) -> 
     match (robot, camera, target, space) {
         (Some(robot), Some(camera), Some(target), Some(space)) if check.faults.is_empty() => Ok(Problem {
             name,
-            sha256: String::new(),
-            overrides: Overrides::new(),
+            sha256: document.sha256(),
+            overrides: document.overrides.clone(),
             robot,
             camera,
             target,

@@ -3,10 +3,12 @@
 use std::ops::Range;
 
 use serde::de::DeserializeOwned;
+use sha2::{Digest, Sha256};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer, Error};
 
 use super::merge;
+use super::overrides::Overrides;
 use super::path::{KeyPath, Segment};
 use super::source::{Place, Source, Unreadable};
 
@@ -14,6 +16,8 @@ use super::source::{Place, Source, Unreadable};
 pub(crate) struct Document<'a> {
     source: &'a Source,
     root: Spanned<DeTable<'a>>,
+    /// The values given in place of the file's that say anything else.
+    pub(crate) overrides: Overrides,
 }
 
 impl<'a> Document<'a> {
@@ -21,15 +25,23 @@ impl<'a> Document<'a> {
     /// When the file is not TOML, or a value has no place in it.
     pub(crate) fn parse(source: &'a Source) -> Result<Self, Unreadable> {
         let mut root = DeTable::parse(source.file())?;
+        let mut overrides = Overrides::new();
         for (line, given) in &source.overrides {
-            merge::put(root.get_mut(), given, &source.text, line)?;
+            if merge::put(root.get_mut(), given, &source.text, line)? {
+                overrides.push(given.clone());
+            }
         }
-        Ok(Self { source, root })
+        Ok(Self { source, root, overrides })
     }
 
     /// What the document says, as `T`.
     pub(crate) fn read<T: DeserializeOwned>(&self) -> Result<T, Error> {
         T::deserialize(Deserializer::from(self.root.clone()))
+    }
+
+    /// SHA-256 of the file's bytes, in lower-case hexadecimal.
+    pub(crate) fn sha256(&self) -> String {
+        Sha256::digest(self.source.file()).iter().fold(String::new(), |hex, byte| format!("{hex}{byte:02x}"))
     }
 
     /// Where the bytes are.

@@ -3,8 +3,9 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use toml::Spanned;
-use toml::de::{DeArray, DeTable, DeValue};
+use serde::Deserialize;
+use toml::de::{DeArray, DeTable, DeValue, ValueDeserializer};
+use toml::{Spanned, Value};
 
 use super::overrides::Override;
 use super::path::{KeyPath, Segment};
@@ -21,7 +22,7 @@ const INSTEAD: [(&str, &[&str]); 7] = [
     ("target.pose.quaternion_xyzw", &["target.pose.rpy_deg"]),
 ];
 
-/// Puts the value of `given`, which stands in the `line` of `text`, into `root`.
+/// Puts the value of `given`, which stands in the `line` of `text`, into `root`; whether that says anything else than before.
 ///
 /// # Errors
 /// When the way there leads through something that is no section or list, or beyond a list's end.
@@ -30,10 +31,11 @@ pub(super) fn put<'t>(
     given: &Override,
     text: &'t str,
     line: &Range<usize>,
-) -> Result<(), Unreadable> {
+) -> Result<bool, Unreadable> {
     let key = given.path.to_string();
+    let mut changes = false;
     for excluded in INSTEAD.iter().filter(|(one, _)| *one == key).flat_map(|(_, others)| *others) {
-        remove(root, excluded);
+        changes |= remove(root, excluded);
     }
     let start = line.end - given.value.len();
     let mut value = DeValue::parse(&text[start..line.end])?;
@@ -46,7 +48,14 @@ pub(super) fn put<'t>(
         let so_far = KeyPath(given.path.0[..=depth].to_vec()).to_string();
         children = children.below(segment, then_list, &(line.start..line.start + so_far.len()))?;
     }
-    children.put(last, value, &key)
+    let after = meaning_of(&value);
+    let before = children.put(last, value, &key)?;
+    Ok(changes || before.as_ref().map(meaning_of) != Some(after))
+}
+
+/// What a value says, wherever it stands.
+fn meaning_of(value: &Spanned<DeValue>) -> Option<Value> {
+    Value::deserialize(ValueDeserializer::from(value.clone())).ok()
 }
 
 /// What a key can be put into.
@@ -78,22 +87,29 @@ impl<'t> Children<'_, 't> {
         }
     }
 
-    fn put(self, segment: &Segment, value: Spanned<DeValue<'t>>, key: &Range<usize>) -> Result<(), Unreadable> {
+    /// What stood there before.
+    fn put(
+        self,
+        segment: &Segment,
+        value: Spanned<DeValue<'t>>,
+        key: &Range<usize>,
+    ) -> Result<Option<Spanned<DeValue<'t>>>, Unreadable> {
         match (self, segment) {
             (Self::Table(table), Segment::Key(name)) => {
                 let name = Spanned::new(key.clone(), Cow::Owned(name.clone()));
                 // Anew, for the file's key keeps its place otherwise.
-                table.remove(&name);
+                let before = table.remove(&name);
                 table.insert(name, value);
+                Ok(before)
             }
             (Self::List(list), Segment::Index(index)) => {
                 let len = list.len();
-                *list.get_mut(*index).ok_or_else(|| beyond(*index, len, key))? = value;
+                let place = list.get_mut(*index).ok_or_else(|| beyond(*index, len, key))?;
+                Ok(Some(std::mem::replace(place, value)))
             }
-            (Self::Table(_), Segment::Index(_)) => return Err(no_list(key)),
-            (Self::List(_), Segment::Key(name)) => return Err(no_section(name, key)),
+            (Self::Table(_), Segment::Index(_)) => Err(no_list(key)),
+            (Self::List(_), Segment::Key(name)) => Err(no_section(name, key)),
         }
-        Ok(())
     }
 }
 
@@ -132,22 +148,22 @@ fn shift(value: &mut Spanned<DeValue>, by: usize) {
     *value = Spanned::new(span.start + by..span.end + by, inner);
 }
 
-/// Removes the key at a dotted path, if it is there.
-fn remove(root: &mut DeTable, path: &str) {
-    let Some(path) = KeyPath::parse(path) else { return };
+/// Removes the key at a dotted path; whether it was there.
+fn remove(root: &mut DeTable, path: &str) -> bool {
+    let Some(path) = KeyPath::parse(path) else { return false };
     let mut table = root;
     let mut keys = path.keys().peekable();
     while let Some(key) = keys.next() {
         let name = Spanned::new(0..0, Cow::Owned(key.to_owned()));
         if keys.peek().is_none() {
-            table.remove(&name);
-            return;
+            return table.remove(&name).is_some();
         }
         match table.get_mut(&name).map(Spanned::get_mut) {
             Some(DeValue::Table(below)) => table = below,
-            _ => return,
+            _ => return false,
         }
     }
+    false
 }
 
 #[cfg(test)]

@@ -100,6 +100,10 @@ impl Overrides {
         self.0.iter().filter(counts).map(Override::to_string).collect()
     }
 
+    pub(super) fn push(&mut self, given: Override) {
+        self.0.push(given);
+    }
+
     pub(super) fn iter(&self) -> impl Iterator<Item = &Override> {
         self.0.iter()
     }

@@ -13,8 +13,7 @@ use nalgebra::DMatrix;
 
 use super::InformationSet;
 use super::error::SelectionError;
-use super::function::Curvature;
-use super::function::{Gradient, InformationFunction};
+use super::function::{Curvature, Gradient, InformationFunction};
 use super::packed::{RESOLUTION, cholesky, dual, packed_len, unpack, whiten};
 use constraints::Rules;
 

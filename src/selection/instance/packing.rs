@@ -223,8 +223,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::selection::InformationSet;
-    use crate::selection::{Cap, Constraints, InformationFunction, Separation, Term};
+    use crate::selection::{Cap, Constraints, InformationFunction, InformationSet, Separation, Term};
 
     /// Of more candidates than are searched nothing is proven: those left out may stand apart.
     #[test]

@@ -6,8 +6,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::selection::function::Curvature;
-use crate::selection::function::Gradient;
+use crate::selection::function::{Curvature, Gradient};
 use crate::selection::instance::Instance;
 use crate::selection::packed::dot;
 use crate::selection::relaxation::greatest;

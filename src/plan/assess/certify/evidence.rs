@@ -96,12 +96,8 @@ enum Function {
 }
 
 impl<'a> Evidence<'a> {
-    /// For a plan by `criteria`, shares beside them, or by the accuracies that the problem requests.
-    pub(super) fn new(
-        problem: &'a Problem,
-        survey: &'a Survey,
-        criteria: Option<&[(Criterion, f64)]>,
-    ) -> Result<Self, CertifyError> {
+    /// For a plan of what the problem asks for.
+    pub(super) fn new(problem: &'a Problem, survey: &'a Survey) -> Result<Self, CertifyError> {
         let measurement = problem.measurement();
         let captured = captured(problem)?;
         let mut known = DMatrix::zeros(problem.unknowns().len(), problem.unknowns().len());
@@ -113,12 +109,12 @@ impl<'a> Evidence<'a> {
         }
         let rules = Rules::new(problem, survey);
         let mut evidence = Self { problem, survey, measurement, known, terms: Vec::new(), rules };
-        evidence.terms = match criteria {
-            Some(criteria) => criteria
+        evidence.terms = match &problem.selection.goal {
+            Goal::Best { criteria, .. } => criteria
                 .iter()
                 .map(|&(criterion, share)| evidence.term(criterion, share, &captured))
                 .collect::<Result<_, _>>()?,
-            None => vec![evidence.accuracy_term()],
+            Goal::Fewest { accuracies } => vec![evidence.accuracy_term(accuracies)],
         };
         Ok(evidence)
     }
@@ -165,7 +161,7 @@ impl<'a> Evidence<'a> {
     }
 
     /// The worst of the accuracies, each variance as a share of what is requested.
-    fn accuracy_term(&self) -> Term {
+    fn accuracy_term(&self, accuracies: &[(Accuracy, f64)]) -> Term {
         let p = self.known.nrows();
         let weight = |&(accuracy, requested): &(Accuracy, f64)| {
             let weight = match accuracy {
@@ -174,7 +170,7 @@ impl<'a> Evidence<'a> {
             };
             weight / (requested * requested)
         };
-        let function = Function::WorstVariance(self.problem.selection.goal.accuracies().iter().map(weight).collect());
+        let function = Function::WorstVariance(accuracies.iter().map(weight).collect());
         Term { name: Goal::ACCURACY, share: 1.0, source: Source::Intrinsics, known: self.known.clone(), function }
     }
 

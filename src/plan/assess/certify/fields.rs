@@ -4,7 +4,7 @@ use super::compare::{alike, near, number, numbers, other, same};
 use super::error::CertifyError;
 use super::evidence::Accuracies;
 use crate::plan::document::{Intrinsics, PlannedPose, Pose, SurveyCounts};
-use crate::problem::{Method, Problem};
+use crate::problem::{Goal, Method, Problem};
 
 /// Numbers of a pose agree to this: m, degrees, entries of a quaternion.
 const SAME_POSE: f64 = 1e-9;
@@ -12,21 +12,14 @@ const SAME_POSE: f64 = 1e-9;
 /// A tilt near zero is known to no more than this, in degrees: its cosine is 1 there.
 const SAME_TILT: f64 = 1e-6;
 
-/// Checks that the method is one, and that what it leaves in a plan is there.
-pub(crate) fn is_that_method(
-    method: &str,
-    searched: bool,
-    fewest: bool,
-    by_accuracy: bool,
-) -> Result<(), CertifyError> {
-    let known = Method::ALL.map(Method::name);
-    if !known.contains(&method) {
-        return Err(other("the method", method, &known.join(" or ")));
+/// Checks that the method is the one asked for, and that what it leaves in a plan is there.
+pub(crate) fn is_by_that_method(method: &str, searched: bool, fewest: bool, goal: &Goal) -> Result<(), CertifyError> {
+    let asked = goal.method();
+    if method != asked.name() {
+        return Err(other("the method", method, asked.name()));
     }
-    if fewest != by_accuracy || (by_accuracy && method != Method::Best.name()) {
-        return Err(other("what proves the number of poses", &fewest, &by_accuracy));
-    }
-    same("whether a search followed", &searched, &(method == Method::Exact.name()))
+    same("whether the number of poses has a proof", &fewest, &goal.count().is_none())?;
+    same("whether a search followed", &searched, &(asked == Method::Exact))
 }
 
 pub(crate) fn are_those_counts(stated: &SurveyCounts, found: &SurveyCounts) -> Result<(), CertifyError> {

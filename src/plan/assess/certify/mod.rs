@@ -14,18 +14,16 @@ mod unchecked;
 pub use error::{BrokenConstraint, CertifyError};
 pub use unchecked::Unchecked;
 
-use super::locate::LocateError;
-use crate::information::Criterion;
 use crate::plan::document::{
     AccuracyDocument, CertificateDocument, Certified, CollisionDocument, Document, FewestDocument, Header, NotChecked,
     Plan, PlannedPose, ProblemReference, SearchDocument, SurveyCounts,
 };
 use crate::plan::survey::Survey;
-use crate::problem::{Accuracy, Goal, Problem};
+use crate::problem::{Accuracy, Problem};
 use compare::{alike, different, near, number, other, same};
 use evidence::{Accuracies, Evidence, Rounded};
-use fields::{are_those_counts, are_those_intrinsics, is_that_method, is_that_pose};
-use unchecked::{BY_SEARCH, EFFORT, HOW_FOUND};
+use fields::{are_those_counts, are_those_intrinsics, is_by_that_method, is_that_pose};
+use unchecked::{BY_SEARCH, EFFORT, MADE_BY};
 
 /// Numbers that are the same agree to this share, and to what rounding may have moved them beyond.
 const SAME: f64 = 1e-8;
@@ -74,8 +72,8 @@ impl Confirmed {
     }
 }
 
-/// Recomputes all that `plan` claims, from its poses' joint values and its certificate's matrices, on `problem`, surveyed.
-/// What it was optimised for is taken from the plan, for the command line may have said otherwise than the file.
+/// Recomputes all that `plan` claims, from its poses' joint values and its certificate's matrices, on `problem`, surveyed: the file's,
+/// with the values that the plan says were given in place of the file's.
 ///
 /// # Errors
 /// When anything is not as the plan says.
@@ -84,10 +82,10 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
     let Plan {
         header: Header { format, version, calipose: _ },
         problem: ProblemReference { name, sha256, set },
-        criterion,
+        criterion: _, // by `fit`
         method,
         count,
-        seed: _,
+        seed,
         value: stated_value,
         bound: stated_bound,
         efficiency: stated_efficiency,
@@ -101,7 +99,7 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
         joints: _, // by `fit`
         poses,
     } = plan;
-    let mut unchecked = Unchecked::all(&["calipose", "method", "seed"], HOW_FOUND);
+    let mut unchecked = Unchecked::all(&["calipose"], MADE_BY);
 
     same("the format", format.as_str(), Plan::FORMAT)?;
     same("the version", version, &Plan::VERSION)?;
@@ -110,16 +108,10 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
     alike("what is given in place of the problem file's values", set, &problem.overrides.of_results())?;
     plan.fit(problem)?;
     let selected = plan.places(survey)?;
-    let criteria = plan.criteria();
-    let optimised = match &criteria {
-        Some(criteria) => Criterion::describe(criteria),
-        None if !problem.selection.goal.accuracies().is_empty() => Goal::ACCURACY.into(),
-        None => return Err(LocateError::Criterion { criterion: criterion.clone() }.into()),
-    };
-    if *criterion != optimised {
-        return Err(CertifyError::Criterion { stated: criterion.clone(), found: optimised });
-    }
-    is_that_method(method, search.is_some(), fewest.is_some(), criteria.is_none())?;
+    let goal = &problem.selection.goal;
+    is_by_that_method(method, search.is_some(), fewest.is_some(), goal)?;
+    same("the seed", seed, &problem.selection.seed)?;
+    same("the number of poses asked for", &goal.count().unwrap_or(*count), count)?;
     same("the number of poses", count, &selected.len())?;
     if !poses.is_sorted_by_key(|pose| pose.id) {
         return Err(other("the order of the poses", "another", "by ascending id"));
@@ -128,7 +120,7 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
     let tested = Some(CollisionDocument::new(problem, &survey.links));
     alike("what was tested for collision", collision, &tested)?;
 
-    let evidence = Evidence::new(problem, survey, criteria.as_deref())?;
+    let evidence = Evidence::new(problem, survey)?;
     evidence.rules.allow(&selected, problem, survey)?;
     let value = evidence.log_value(&selected)?;
     trusted("the value", value.uncertainty)?;
@@ -220,7 +212,7 @@ impl Evidence<'_> {
         let names = problem.unknowns().names();
         for (AccuracyDocument { name, requested, reached }, (accuracy, asked)) in stated.iter().zip(asked) {
             let (asked_name, found) = match *accuracy {
-                Accuracy::MapError => ("map_error_px", accuracies.map_error),
+                Accuracy::MapError => (Accuracy::MAP_ERROR, accuracies.map_error),
                 Accuracy::Intrinsic(j) => (names[j], accuracies.sigma[j]),
             };
             if name != asked_name || requested != asked {

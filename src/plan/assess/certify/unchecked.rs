@@ -13,8 +13,8 @@ pub struct Unchecked {
     pub reason: &'static str,
 }
 
-/// How the poses were found: nothing depends on it.
-pub(crate) const HOW_FOUND: &str = "tells how the poses were found; what is proven of them does not depend on it";
+/// What made the plan: nothing depends on it.
+pub(crate) const MADE_BY: &str = "tells which version made the plan; what is proven of it does not depend on that";
 /// What a search says of itself.
 pub(crate) const EFFORT: &str = "tells of a search's effort, which only the search repeats";
 /// What a search claims.

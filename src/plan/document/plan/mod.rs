@@ -19,10 +19,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::information::Criterion;
 use crate::plan::choose::{Chooser, Decision, PlanError};
 use crate::plan::document::header::{Document, Header, ProblemReference};
-use crate::problem::Problem;
 use crate::robot::Joint;
 
 /// A calibration plan, key by key as in `plan.json`. SI units, angles in rad unless the key says otherwise.
@@ -122,7 +120,8 @@ impl Plan {
     ///
     /// # Errors
     /// When the choice is not the chooser's.
-    pub fn new(problem: &Problem, chooser: &Chooser, decision: &Decision) -> Result<Self, PlanError> {
+    pub fn new(chooser: &Chooser, decision: &Decision) -> Result<Self, PlanError> {
+        let problem = chooser.problem();
         let settings = &problem.selection;
         let survey = chooser.survey();
         let choice = &decision.choice;
@@ -159,17 +158,6 @@ impl Plan {
             fewest,
             joints: problem.robot.chain.joints.iter().map(|joint| joint.name.clone()).collect(),
             poses: poses.map(|(&i, share)| PlannedPose::new(problem, &survey.views[i], share)).collect(),
-        })
-    }
-
-    /// The criteria that the plan optimises and their shares; `None` for accuracies, and where a name is not known or the
-    /// shares are not positive and of sum one.
-    pub fn criteria(&self) -> Option<Vec<(Criterion, f64)>> {
-        let terms = self.certificate.terms.iter();
-        let criteria: Option<Vec<_>> = terms.map(|term| Some((term.criterion.parse().ok()?, term.share))).collect();
-        criteria.filter(|criteria| {
-            let sum: f64 = criteria.iter().map(|(_, share)| share).sum();
-            criteria.iter().all(|&(_, share)| share > 0.0) && (sum - 1.0).abs() < 1e-9
         })
     }
 

@@ -2,9 +2,9 @@
 
 use nalgebra::{Point2, Point3, Vector3};
 
-use super::check::{Check, LENGTH, NOT_NEGATIVE, SIZE};
 use crate::feasibility::Stability;
 use crate::problem::fault::{Allowed, Reason};
+use crate::problem::resolve::check::{Check, LENGTH, NOT_NEGATIVE, SIZE};
 use crate::problem::schema;
 use crate::problem::text::{At, Optional, key};
 use crate::robot::{Body, PointMass, Shape, Tree};
@@ -57,7 +57,7 @@ impl Check<'_, '_> {
 
     /// Attaches the board to link `carrier`, in whose frame it is given, as a plate of `thickness` (m) under its printed side, if
     /// anything could touch it.
-    pub(super) fn board(target: &Target, thickness: f64, carrier: usize, tree: &mut Tree) {
+    pub(in crate::problem::resolve) fn board(target: &Target, thickness: f64, carrier: usize, tree: &mut Tree) {
         if tree.links.iter().all(|link| link.bodies.is_empty()) {
             return;
         }
@@ -67,7 +67,11 @@ impl Check<'_, '_> {
     }
 
     /// The clearance in m; the pairs to ignore join those disabled in the tree.
-    pub(super) fn collision(&mut self, collision: &At<schema::Collision>, tree: Option<&mut Tree>) -> f64 {
+    pub(in crate::problem::resolve) fn collision(
+        &mut self,
+        collision: &At<schema::Collision>,
+        tree: Option<&mut Tree>,
+    ) -> f64 {
         let clearance = self.length(&key!(collision, clearance_mm), NOT_NEGATIVE);
         let Some(tree) = tree else { return clearance };
         let bodied = tree.links.iter().enumerate().filter(|(_, link)| !link.bodies.is_empty());
@@ -90,7 +94,11 @@ impl Check<'_, '_> {
     }
 
     /// The test for stability, or none if something is wrong with it.
-    pub(super) fn stability(&mut self, stability: &At<schema::Stability>, tree: Option<&Tree>) -> Option<Stability> {
+    pub(in crate::problem::resolve) fn stability(
+        &mut self,
+        stability: &At<schema::Stability>,
+        tree: Option<&Tree>,
+    ) -> Option<Stability> {
         let faults = self.faults.len();
         let support = key!(stability, support_mm);
         let point = |point: At<schema::Numbers<2>>| Point2::from(point.numbers().map(|x| self.length(&x, LENGTH)));

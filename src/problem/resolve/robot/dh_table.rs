@@ -1,15 +1,11 @@
-//! The arm as a Denavit–Hartenberg table, and the camera's mount.
+//! The arm as a Denavit–Hartenberg table.
 
-use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
-
-use super::bodies::Links;
-use super::check::{ANGLE, Check, LENGTH};
 use crate::problem::fault::{Allowed, Reason};
-use crate::problem::schema::{self, MountName, Named, RangeOrSets, TextOrTable};
+use crate::problem::resolve::check::{ANGLE, Check, LENGTH};
+use crate::problem::schema::{self, RangeOrSets};
 use crate::problem::text::{At, Optional, key};
-use crate::robot::dh;
-use crate::robot::dh::{Convention, Row};
-use crate::robot::{JointKind, Limits, Robot, Tree};
+use crate::robot::dh::{self, Convention, Row};
+use crate::robot::{JointKind, Limits, Robot};
 use crate::spatial::Pose;
 
 /// Speeds in degrees or mm per second.
@@ -17,7 +13,7 @@ const SPEED: Allowed = Allowed::positive(1e6);
 
 impl Check<'_, '_> {
     /// The robot, or none if its limits cannot be swept.
-    pub(super) fn robot(&mut self, file: &At<schema::File>) -> Option<Robot> {
+    pub(super) fn table_robot(&mut self, file: &At<schema::File>) -> Option<Robot> {
         let faults = self.faults.len();
         let robot = key!(file, robot);
         let (joints, set) = (key!(robot, joints), key!(robot, limits));
@@ -50,22 +46,6 @@ impl Check<'_, '_> {
         self.carried(file, X_FC, camera_link, &links, &mut tree);
         let obstacles = Vec::new();
         (self.faults.len() == faults).then_some(Robot { chain, X_FC, tree, board_link: 0, camera_link, obstacles })
-    }
-
-    /// Attaches what the problem file adds to the robot: bodies, masses, and the camera's housing.
-    pub(super) fn carried(
-        &mut self,
-        file: &At<schema::File>,
-        X_FC: Pose,
-        camera_link: usize,
-        links: &Links,
-        tree: &mut Tree,
-    ) {
-        self.bodies(&key!(file, robot.bodies), links, tree);
-        self.masses(&key!(file, robot.masses), links, tree);
-        if let Some(housing) = key!(file, camera.housing).given() {
-            self.housing(&housing, X_FC, camera_link, tree);
-        }
     }
 
     /// Refuses what only a URDF gives a meaning to.
@@ -149,29 +129,5 @@ impl Check<'_, '_> {
             self.fault(&set.path, reason);
         }
         NONE
-    }
-
-    pub(super) fn mount(&mut self, mount: &At<TextOrTable<Named<MountName>, schema::Pose>>) -> Pose {
-        let name = match mount.value {
-            TextOrTable::Text(Named(name)) => name,
-            TextOrTable::Table(pose) => return self.pose(&mount.with(pose)),
-        };
-        // Columns are x_C, y_C, z_C in F.
-        let R_FC = match name {
-            MountName::OpticalAxisZ | MountName::RosOptical => Matrix3::identity(),
-            MountName::OpticalAxisX => Matrix3::new(
-                0.0, 0.0, 1.0, //
-                0.0, -1.0, 0.0, //
-                1.0, 0.0, 0.0,
-            ),
-            MountName::RosBody => Matrix3::new(
-                0.0, 0.0, 1.0, //
-                -1.0, 0.0, 0.0, //
-                0.0, -1.0, 0.0,
-            ),
-            MountName::OpenGl => Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, -1.0)),
-        };
-        let R_FC = Rotation3::from_matrix_unchecked(R_FC);
-        Pose::from_parts([0.0; 3].into(), UnitQuaternion::from_rotation_matrix(&R_FC))
     }
 }

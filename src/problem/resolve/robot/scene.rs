@@ -1,7 +1,7 @@
 //! What stands around the robot.
 
-use super::check::Check;
 use crate::problem::fault::Reason;
+use crate::problem::resolve::check::Check;
 use crate::problem::schema;
 use crate::problem::text::{At, key};
 use crate::robot::Robot;
@@ -12,7 +12,7 @@ const RESERVED: [&str; 2] = ["camera", "board"];
 
 impl Check<'_, '_> {
     /// Puts the obstacles of `scene` around `robot`: links of its tree, fixed to the root, in the root's frame.
-    pub(super) fn scene(&mut self, scene: &At<schema::Scene>, mut robot: Option<&mut Robot>) {
+    pub(in crate::problem::resolve) fn scene(&mut self, scene: &At<schema::Scene>, mut robot: Option<&mut Robot>) {
         let own = robot.as_ref().map_or(0, |robot| robot.tree.links.len());
         for obstacle in key!(scene, bodies).elements() {
             let at = key!(obstacle, name);

@@ -2,22 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
-use super::check::{ANGLE, Check, LENGTH, file_unit};
 use crate::feasibility::{Simplified, simplify_hulls};
 use crate::formats::{Description, StatedRange, UrdfError, read_srdf_file, read_urdf_file};
 use crate::problem::fault::{Allowed, Reason};
+use crate::problem::resolve::check::{ANGLE, Check, LENGTH, file_unit};
 use crate::problem::schema;
 use crate::problem::text::{At, KeyPath, key};
 use crate::robot::{Assembly, Joint, JointKind, Limits, Mechanism, Robot};
 
 impl Check<'_, '_> {
     /// The robot of the URDF file `urdf`, or none if something is wrong with it; `folder` is the problem file's.
-    pub(super) fn described_robot(
-        &mut self,
-        file: &At<schema::File>,
-        urdf: &At<String>,
-        folder: &Path,
-    ) -> Option<Robot> {
+    pub(super) fn urdf_robot(&mut self, file: &At<schema::File>, urdf: &At<String>, folder: &Path) -> Option<Robot> {
         let faults = self.faults.len();
         let robot = &key!(file, robot);
         self.excluded(

@@ -1,0 +1,61 @@
+//! The robot, from a table or a URDF file, with what the problem file puts on it and around it.
+
+mod bodies;
+mod dh_table;
+mod scene;
+mod urdf;
+
+use std::path::Path;
+
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+
+use super::check::Check;
+use crate::problem::schema::{self, MountName, Named, TextOrTable};
+use crate::problem::text::{At, key};
+use crate::robot::{Robot, Tree};
+use crate::spatial::Pose;
+use bodies::Links;
+
+impl Check<'_, '_> {
+    /// The robot of `file`, or none if something is wrong with it; other files are sought from `folder`.
+    pub(super) fn robot(&mut self, file: &At<schema::File>, folder: &Path) -> Option<Robot> {
+        match key!(file, robot.urdf).given() {
+            Some(urdf) => self.urdf_robot(file, &urdf, folder),
+            None => self.table_robot(file),
+        }
+    }
+
+    /// Attaches what the problem file adds to the robot: bodies, masses, and the camera's housing.
+    fn carried(&mut self, file: &At<schema::File>, X_FC: Pose, camera_link: usize, links: &Links, tree: &mut Tree) {
+        self.bodies(&key!(file, robot.bodies), links, tree);
+        self.masses(&key!(file, robot.masses), links, tree);
+        if let Some(housing) = key!(file, camera.housing).given() {
+            self.housing(&housing, X_FC, camera_link, tree);
+        }
+    }
+
+    /// Pose of the camera on the flange, `X_FC`.
+    fn mount(&mut self, mount: &At<TextOrTable<Named<MountName>, schema::Pose>>) -> Pose {
+        let name = match mount.value {
+            TextOrTable::Text(Named(name)) => name,
+            TextOrTable::Table(pose) => return self.pose(&mount.with(pose)),
+        };
+        // Columns are x_C, y_C, z_C in F.
+        let R_FC = match name {
+            MountName::OpticalAxisZ | MountName::RosOptical => Matrix3::identity(),
+            MountName::OpticalAxisX => Matrix3::new(
+                0.0, 0.0, 1.0, //
+                0.0, -1.0, 0.0, //
+                1.0, 0.0, 0.0,
+            ),
+            MountName::RosBody => Matrix3::new(
+                0.0, 0.0, 1.0, //
+                -1.0, 0.0, 0.0, //
+                0.0, -1.0, 0.0,
+            ),
+            MountName::OpenGl => Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, -1.0)),
+        };
+        let R_FC = Rotation3::from_matrix_unchecked(R_FC);
+        Pose::from_parts([0.0; 3].into(), UnitQuaternion::from_rotation_matrix(&R_FC))
+    }
+}
