@@ -11,7 +11,7 @@ fn plan(method: &str, threads: usize, folder: &Path) -> Vec<u8> {
     let output = folder.join(format!("{method}-{threads}"));
     let run = command(Path::new("."), "")
         .env("RAYON_NUM_THREADS", threads.to_string())
-        .args(["plan", FILE, "--quiet", "--method", method, "--output"])
+        .args(["plan", FILE, "--quiet", "--trials", "0", "--method", method, "--output"])
         .arg(&output)
         .output()
         .unwrap();

@@ -54,6 +54,7 @@ fn explain_tells_of_the_plan_that_was_written() {
 }
 
 #[test]
+#[ignore = "slow: in the full set, `cargo test -- --ignored`"]
 fn explain_and_polish_know_combinations_accuracies_and_constraints() {
     const GOAL: &str = "criterion = \"v\"\nmethod = \"best\"\ncount = 10";
     for criterion in [

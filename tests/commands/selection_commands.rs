@@ -88,6 +88,7 @@ fn the_proven_best_is_no_worse_than_the_best_found() {
 }
 
 #[test]
+#[ignore = "slow: in the full set, `cargo test -- --ignored`"]
 fn the_fewest_poses_that_reach_an_accuracy_are_found_and_proven() {
     let desk = Desk::new();
     let eight = plan(&desk, "plan coarse.toml -k 8 -o eight");

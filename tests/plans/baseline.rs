@@ -23,7 +23,7 @@ fn surveyed(criterion: Criterion) -> (Problem, Survey) {
 }
 
 #[test]
-#[ignore = "clusters large sets: half a minute in release, many in debug; CI runs it with --release"]
+#[ignore = "slow: in the full set, `cargo test -- --ignored`"]
 fn ten_poses_beat_eighty_clustered_and_twenty_beat_a_hundred_and_twenty() {
     let (problem, survey) = surveyed(Criterion::V);
     let chooser = Chooser::new(&problem, &survey).unwrap();

@@ -165,6 +165,7 @@ fn every_change_is_noticed(planned: &Planned, keys: &[&str]) {
 const COARSE: (&str, &str) = ("step_deg = 8\n", "step_deg = 20\n");
 
 #[test]
+#[ignore = "slow: in the full set, `cargo test -- --ignored`"]
 fn every_change_of_an_ordinary_plan_is_noticed() {
     let coarse = ("step_deg = 8\naxis", "step_deg = 20\nrefine = 1\nrefine_sample = 300\naxis");
     let planned = Planned::new(problem("servosila-engineer", &[coarse], ""));
@@ -172,7 +173,7 @@ fn every_change_of_an_ordinary_plan_is_noticed() {
 }
 
 #[test]
-#[ignore = "half a minute in debug; CI runs it with --release"]
+#[ignore = "slow: in the full set, `cargo test -- --ignored`"]
 fn every_change_of_a_plan_for_accuracies_is_noticed() {
     let accuracy = ("criterion = \"v\"\nmethod = \"best\"\ncount = 10", "accuracy = { map_error_px = 3.2, fx = 4.5 }");
     let planned = Planned::new(problem("servosila-engineer", &[COARSE, accuracy], ""));
@@ -180,6 +181,7 @@ fn every_change_of_a_plan_for_accuracies_is_noticed() {
 }
 
 #[test]
+#[ignore = "slow: in the full set, `cargo test -- --ignored`"]
 fn every_change_of_a_plan_under_constraints_is_noticed() {
     let criterion =
         ("criterion = \"v\"\nmethod = \"best\"\ncount = 10", "criterion = { v = 3, diversity = 1 }\ncount = 8");
@@ -194,7 +196,7 @@ fn every_change_of_a_plan_under_constraints_is_noticed() {
 }
 
 #[test]
-#[ignore = "half a minute in debug; CI runs it with --release"]
+#[ignore = "slow: in the full set, `cargo test -- --ignored`"]
 fn every_change_of_a_plan_with_bodies_and_stability_is_noticed() {
     let partly = ("margin_px = 5", "margin_px = 5\nmin_corners = 40");
     let planned = Planned::new(problem("servosila-engineer-bodies", &[COARSE, partly], ""));
@@ -236,6 +238,7 @@ fn what_is_known_beforehand_counts_in_every_criterion() {
 
 /// A bound that is claimed with the efficiency that fits it, and matrices that prove nothing.
 #[test]
+#[ignore = "slow: in the full set, `cargo test -- --ignored`"]
 fn a_better_bound_than_the_matrix_proves_is_noticed() {
     let planned = Planned::new(problem("servosila-engineer", &[COARSE], ""));
     let refused = |change: &dyn Fn(&mut Plan)| {
@@ -273,6 +276,7 @@ fn a_better_bound_than_the_matrix_proves_is_noticed() {
 
 /// Every number is honest, but the poses miss the accuracies, or the matrix does not exclude fewer.
 #[test]
+#[ignore = "slow: in the full set, `cargo test -- --ignored`"]
 fn a_plan_for_accuracies_that_proves_less_than_it_says_is_noticed() {
     let accuracy = ("criterion = \"v\"\nmethod = \"best\"\ncount = 10", "accuracy = { map_error_px = 3.2, fx = 4.5 }");
     let problem = problem("servosila-engineer", &[COARSE, accuracy], "");
@@ -374,7 +378,7 @@ fn poses_that_break_a_constraint_are_refused_for_it() {
 
 /// Focal lengths from a door viewer's to a telescope's, every lens model and criterion.
 #[test]
-#[ignore = "half a minute in debug; CI runs it with --release"]
+#[ignore = "slow: in the full set, `cargo test -- --ignored`"]
 fn honest_plans_of_all_cameras_hold_and_what_is_beyond_the_tolerance_is_noticed() {
     let mut certified = 0;
     let mut loosest: f64 = 0.0;
