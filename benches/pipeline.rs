@@ -10,7 +10,6 @@ use calipose::feasibility::Occlusion;
 use calipose::plan::survey::survey;
 use calipose::problem::{Overrides, Problem};
 use calipose::selection::InformationSet;
-use calipose::selection::packed::pack;
 use calipose::selection::{InformationFunction, Instance, RelaxationSettings, best, exchange, greedy, relax};
 use calipose::spatial::Pose;
 use calipose::sweep::{AxisRule, sweep};
@@ -117,14 +116,14 @@ fn selection(bench: &mut Bench) {
 fn hetero(n: usize, p: usize) -> InformationSet {
     let mut rng = Xoshiro256Plus::seed_from_u64(9);
     let mut normal = move || -> f64 { rng.sample(StandardNormal) };
-    let mut table = Vec::new();
+    let mut matrices = Vec::new();
     for _ in 0..n {
         let size: Vec<f64> = (0..p).map(|_| (0.5 * normal()).exp()).collect();
         let unit = |j: usize| 10f64.powf(-1.0 + 2.0 * j as f64 / (p - 1) as f64);
         let J = DMatrix::from_fn(6, p, |_, j| normal() * size[j] * unit(j));
-        table.extend(pack(&(J.transpose() * J)));
+        matrices.push(J.transpose() * J);
     }
-    InformationSet::from_packed(p, table).expect("JᵀJ is semidefinite")
+    InformationSet::from_matrices(p, &matrices).expect("JᵀJ is semidefinite")
 }
 
 fn random_instances(bench: &mut Bench) {

@@ -53,7 +53,7 @@ impl DiversityModel {
     }
 
     /// `z zᵀ` of the view `X_CT`, packed.
-    pub fn information(&self, X_CT: &Pose) -> Vec<f64> {
+    pub(crate) fn information(&self, X_CT: &Pose) -> Vec<f64> {
         let x = features(X_CT);
         let value = |factor: Option<usize>| factor.map_or(1.0, |f| (x[f] - self.mean[f]) / self.deviation[f]);
         let z: Vec<f64> = self.pairs.iter().map(|&[a, b]| value(a) * value(b)).collect();

@@ -30,7 +30,7 @@ impl Measurement<'_> {
     /// and B (2m×6) are the residual Jacobians by the intrinsics and by the pose.
     ///
     /// `None` if a corner has no image or the corners do not determine the pose.
-    pub fn information(&self, X_CT: &Pose, seen: &Corners) -> Option<Vec<f64>> {
+    pub(crate) fn information(&self, X_CT: &Pose, seen: &Corners) -> Option<Vec<f64>> {
         match seen {
             Corners::All => self.information_of(X_CT, self.corners.iter()),
             Corners::Some(indices) => self.information_of(X_CT, indices.iter().map(|&i| &self.corners[i])),

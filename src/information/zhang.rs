@@ -31,7 +31,7 @@ impl Measurement<'_> {
     /// `V_i` (2×6) holds the view's two constraints on b, v₁₂ and v₁₁ − v₂₂ of Zhang's equations 8 and 9, at the nominal
     /// homography `[r₁ r₂ t]`; `Σ_i` (2×2) is the covariance that the corners' noise gives `V_i b₀` through the homography.
     /// `None` if a corner has no image or the corners do not fix a homography.
-    pub fn zhang_information(&self, X_CT: &Pose, seen: &Corners) -> Option<Vec<f64>> {
+    pub(crate) fn zhang_information(&self, X_CT: &Pose, seen: &Corners) -> Option<Vec<f64>> {
         let R = X_CT.rotation.to_rotation_matrix();
         let h: [Vector3<f64>; 3] = [R.matrix().column(0).into(), R.matrix().column(1).into(), X_CT.translation.vector];
         // Normal matrix of the homography's nine entries, column by column.

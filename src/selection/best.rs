@@ -24,6 +24,15 @@ pub struct Best {
     pub relaxation: Relaxation,
 }
 
+impl Best {
+    /// Checks that the selection, the weights and the certificate are of the instance's candidates.
+    pub(super) fn fits(&self, instance: &Instance) -> Result<(), SelectionError> {
+        instance.check(&self.selected)?;
+        instance.check(&self.relaxation.weights.iter().map(|&(i, _)| i).collect::<Vec<_>>())?;
+        self.relaxation.certificate.fits(instance)
+    }
+}
+
 /// Selects with every means: exchange from greedy, then from roundings of the relaxation, and keeps the best.
 ///
 /// ```
@@ -46,7 +55,7 @@ pub fn best(instance: &Instance, settings: &RelaxationSettings, seed: u64) -> Re
     let start = improved_greedy(instance)?;
     let total = instance.total(&start);
     let relaxation = relax(instance, &start, settings)?;
-    let mut best = Best { log_value: instance.log_value(&total), selected: start, relaxation };
+    let mut best = Best { log_value: instance.log_value_at(&total), selected: start, relaxation };
     let mut rng = Xoshiro256Plus::seed_from_u64(seed);
     let mut starts = vec![];
     for round in 0..=if instance.is_smooth() { ROUNDINGS } else { ROUNDINGS_AT_KINKS } {
@@ -60,7 +69,7 @@ pub fn best(instance: &Instance, settings: &RelaxationSettings, seed: u64) -> Re
     }
     let improved: Vec<_> = starts.into_par_iter().map(|start| improved(instance, start)).collect();
     for selected in improved {
-        let log_value = instance.log_value(&instance.total(&selected));
+        let log_value = instance.log_value_at(&instance.total(&selected));
         if log_value > best.log_value {
             best.selected = selected;
             best.log_value = log_value;
@@ -108,7 +117,7 @@ impl Relaxation {
 
     /// The candidates of largest weight that the constraints of `instance` allow together, ascending; `None` if those of
     /// positive weight are too few, or leave a combination of the parameters undetermined.
-    pub fn rounded(&self, instance: &Instance) -> Option<Vec<usize>> {
+    pub(crate) fn rounded(&self, instance: &Instance) -> Option<Vec<usize>> {
         let rounded = first_allowed(instance, instance.required(), &self.by_weight());
         rounded.filter(|rounded| !instance.is_singular(rounded))
     }

@@ -41,7 +41,7 @@ impl Certificate {
     /// // One parameter, three views, two to choose: with Y = 1 the best two add up to 5.
     /// let views = InformationSet::from_matrices(1, &[1.0, 2.0, 3.0].map(|m| DMatrix::from_element(1, 1, m)))?;
     /// let instance = Instance::new(&views, None, &InformationFunction::Determinant, 2)?;
-    /// let certificate = Certificate::new(&instance, Gradient { y: vec![1.0], mixture: vec![] }, vec![])?;
+    /// let certificate = Certificate::new(&instance, Gradient::new(&[DMatrix::identity(1, 1)], vec![]), vec![])?;
     /// assert!((certificate.log_bound.exp() - 5.0).abs() < 1e-9);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -49,14 +49,7 @@ impl Certificate {
     /// # Errors
     /// When Y is of another length than the terms' packed matrices, or a price is of no group.
     pub fn new(instance: &Instance, gradient: Gradient, prices: Vec<(usize, f64)>) -> Result<Self, SelectionError> {
-        let (expected, found) = (instance.orders().map(packed_len).sum(), gradient.y.len());
-        if found != expected {
-            return Err(SelectionError::Length { what: "matrix Y", expected, found });
-        }
-        let groups = instance.caps().len();
-        if let Some(&(group, _)) = prices.iter().find(|(group, _)| *group >= groups) {
-            return Err(SelectionError::NoSuchGroup { group, groups });
-        }
+        fits(instance, &gradient.y, &prices)?;
         let scores = instance.scores(&gradient.y);
         Ok(Self::from_scores(instance, gradient, prices, &scores))
     }
@@ -97,8 +90,26 @@ impl Certificate {
         Self { y: gradient.y, mixture: gradient.mixture, prices, log_bound }
     }
 
+    /// Checks that the certificate is of the instance's shape.
+    pub(super) fn fits(&self, instance: &Instance) -> Result<(), SelectionError> {
+        fits(instance, &self.y, &self.prices)
+    }
+
     /// The share of the best possible Φ that a selection with this log Φ certainly reaches.
     pub fn efficiency(&self, log_value: f64) -> f64 {
         (log_value - self.log_bound).exp()
     }
+}
+
+/// Checks that Y and the prices are of the instance's shape.
+fn fits(instance: &Instance, y: &[f64], prices: &[(usize, f64)]) -> Result<(), SelectionError> {
+    let (expected, found) = (instance.orders().map(packed_len).sum(), y.len());
+    if found != expected {
+        return Err(SelectionError::Length { what: "matrix Y", expected, found });
+    }
+    let groups = instance.caps().len();
+    if let Some(&(group, _)) = prices.iter().find(|(group, _)| *group >= groups) {
+        return Err(SelectionError::NoSuchGroup { group, groups });
+    }
+    Ok(())
 }

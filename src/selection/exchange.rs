@@ -45,7 +45,7 @@ pub fn exchange(instance: &Instance, selected: Vec<usize>) -> Result<Vec<usize>,
 
 /// As [`exchange`], of a selection known to be one.
 pub(super) fn improved(instance: &Instance, selected: Vec<usize>) -> Vec<usize> {
-    let value = |selected: &Vec<usize>| instance.log_value(&instance.total(selected));
+    let value = |selected: &Vec<usize>| instance.log_value_at(&instance.total(selected));
     let mut current = regular(instance, selected);
     let mut best = ascend(instance, current.clone(), usize::MAX);
     if !instance.is_smooth() {
@@ -79,8 +79,8 @@ fn ascend(instance: &Instance, mut selected: Vec<usize>, width: usize) -> Vec<us
         open[i] = false;
     }
     let mut total = instance.total(&selected);
-    while let Some(gradient) = instance.gradient(&total) {
-        let before = instance.log_value(&total);
+    while let Some(gradient) = instance.gradient_at(&total) {
+        let before = instance.log_value_at(&total);
         let scores = instance.scores(&gradient.y);
         selected.sort_unstable_by(|&a, &b| scores[a].total_cmp(&scores[b]).then(a.cmp(&b)));
         let Some((place, j)) = best_swap(instance, &selected, &open, &total, &scores, width) else { break };
@@ -89,7 +89,7 @@ fn ascend(instance: &Instance, mut selected: Vec<usize>, width: usize) -> Vec<us
         selected[place] = j;
         // Summed anew: updates would carry rounding from swap to swap.
         total = instance.total(&selected);
-        if instance.log_value(&total) <= before {
+        if instance.log_value_at(&total) <= before {
             break;
         }
     }
@@ -107,7 +107,7 @@ fn best_swap(
     scores: &[f64],
     width: usize,
 ) -> Option<(usize, usize)> {
-    let before = instance.log_value(total);
+    let before = instance.log_value_at(total);
     let rules = instance.rules();
     let leaving = || (0..selected.len()).filter(|&place| instance.is_open(selected[place]));
     let lowest = leaving().next().map(|place| scores[selected[place]])?;

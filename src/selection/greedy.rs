@@ -116,10 +116,10 @@ impl<'a> Scoreboard<'a> {
     /// The open candidate, allowed beside `selected`, that raises log Φ of `total` most; `None` if none is allowed.
     fn best_addition(&mut self, total: &[f64], selected: &[usize]) -> Result<Option<usize>, SelectionError> {
         let instance = self.instance;
-        let Some(gradient) = instance.gradient(total) else {
+        let Some(gradient) = instance.gradient_at(total) else {
             return Err(instance.least_known(total, selected.len()));
         };
-        let before = instance.log_value(total);
+        let before = instance.log_value_at(total);
         self.bring_to(gradient.y.clone());
         let rules = instance.rules();
         let allowed = |i: usize| rules.is_free() || rules.allows(selected, None, i);

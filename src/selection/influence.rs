@@ -28,7 +28,7 @@ const TOO_LITTLE: f64 = 12.0;
 pub fn without_each(instance: &Instance, selected: &[usize]) -> Result<Vec<f64>, SelectionError> {
     instance.check(selected)?;
     // Summed anew rather than subtracted: where a member carries almost all, the difference would be rounding.
-    Ok(selected.iter().map(|&i| instance.log_value(&instance.total(&others(selected, i)))).collect())
+    Ok(selected.iter().map(|&i| instance.log_value_at(&instance.total(&others(selected, i)))).collect())
 }
 
 /// For each member of a selection, in their order, the `most` candidates that leave the greatest log Φ when they take its
@@ -88,11 +88,11 @@ fn others(selected: &[usize], leaving: usize) -> Vec<usize> {
 /// ```
 fn replacement_bounds(instance: &Instance, selected: &[usize]) -> Vec<Vec<f64>> {
     let total = instance.total(selected);
-    let before = instance.log_value(&total);
+    let before = instance.log_value_at(&total);
     let rests: Vec<Vec<f64>> = selected.iter().map(|&i| instance.total(&others(selected, i))).collect();
-    let resolved = |rest: &&Vec<f64>| instance.log_value(rest) > before - TOO_LITTLE;
-    let gradients: Vec<Option<Vec<f64>>> = std::iter::once(instance.gradient(&total))
-        .chain(rests.iter().map(|rest| Some(rest).filter(resolved).and_then(|rest| instance.gradient(rest))))
+    let resolved = |rest: &&Vec<f64>| instance.log_value_at(rest) > before - TOO_LITTLE;
+    let gradients: Vec<Option<Vec<f64>>> = std::iter::once(instance.gradient_at(&total))
+        .chain(rests.iter().map(|rest| Some(rest).filter(resolved).and_then(|rest| instance.gradient_at(rest))))
         .map(|gradient| gradient.map(|gradient| gradient.y))
         .collect();
     let known: Vec<&[f64]> = gradients.iter().flatten().map(Vec::as_slice).collect();
@@ -110,7 +110,7 @@ fn replacement_bounds(instance: &Instance, selected: &[usize]) -> Vec<Vec<f64>> 
             tighten(before, scores, scores[leaving]);
         }
         if let Some(scores) = &of_rest {
-            tighten(instance.log_value(rest), scores, 0.0);
+            tighten(instance.log_value_at(rest), scores, 0.0);
         }
         bounds
     };
@@ -173,7 +173,7 @@ mod tests {
                     .map(|j| {
                         let mut replaced = others(&selected, leaving);
                         replaced.push(j);
-                        Spare { candidate: j, log_value: instance.log_value(&instance.total(&replaced)) }
+                        Spare { candidate: j, log_value: instance.log_value_at(&instance.total(&replaced)) }
                     })
                     .collect();
                 expected.sort_by(|a, b| b.log_value.total_cmp(&a.log_value).then(a.candidate.cmp(&b.candidate)));

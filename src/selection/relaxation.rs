@@ -119,9 +119,9 @@ fn relaxed(instance: &Instance, start: &[usize], settings: &RelaxationSettings) 
     let mut softness = SOFTNESS;
     let mut master = Master::new(instance.softened(softness), start);
     let total = master.total();
-    let mut scores = instance.scores(&master.instance.gradient(&total)?.y);
-    let mut certificate = Certificate::from_scores(instance, master.instance.gradient(&total)?, vec![], &scores);
-    let mut log_value = instance.log_value(&total);
+    let mut scores = instance.scores(&master.instance.gradient_at(&total)?.y);
+    let mut certificate = Certificate::from_scores(instance, master.instance.gradient_at(&total)?, vec![], &scores);
+    let mut log_value = instance.log_value_at(&total);
     let mut best_weights = master.weighted();
     let mut rounds = 0;
     while certificate.log_bound - log_value > tolerance && rounds < settings.max_rounds {
@@ -132,11 +132,11 @@ fn relaxed(instance: &Instance, start: &[usize], settings: &RelaxationSettings) 
         let solved = master.solve(goal);
         let total = master.total();
         // A certificate in hand holds whatever becomes of the weights.
-        let Some(gradient) = master.instance.gradient(&total) else { break };
+        let Some(gradient) = master.instance.gradient_at(&total) else { break };
         scores = instance.scores(&gradient.y);
         let gap = master.gap_over_all(&gradient, &scores);
         let found = Certificate::from_scores(instance, gradient, master.prices.clone(), &scores);
-        let reached = instance.log_value(&total);
+        let reached = instance.log_value_at(&total);
         let progress = (reached - log_value).max(certificate.log_bound - found.log_bound);
         if found.log_bound < certificate.log_bound {
             certificate = found;
@@ -292,7 +292,8 @@ impl<'a> Master<'a> {
         let mut least_gap = f64::INFINITY;
         for _ in 0..MAX_NEWTON_STEPS {
             let total = self.total();
-            let (Some(y), Some(curvature)) = (self.instance.gradient(&total), self.instance.curvature(&total)) else {
+            let (Some(y), Some(curvature)) = (self.instance.gradient_at(&total), self.instance.curvature(&total))
+            else {
                 return false;
             };
             let gradient = self.instance.scores_of(&y.y, &self.columns);
@@ -310,12 +311,12 @@ impl<'a> Master<'a> {
             self.newton_steps += 1;
             let direction: Vec<f64> = target.iter().zip(&self.weights).map(|(t, w)| t - w).collect();
             let slope = dot(&direction, &gradient);
-            let before = self.instance.log_value(&total);
+            let before = self.instance.log_value_at(&total);
             let moved = |length: f64| -> Vec<f64> {
                 self.weights.iter().zip(&direction).map(|(w, d)| w + length * d).collect()
             };
             let gains = |length: f64| {
-                let gain = self.instance.log_value(&self.total_at(&moved(length))) - before;
+                let gain = self.instance.log_value_at(&self.total_at(&moved(length))) - before;
                 gain >= 0.1 * length * slope
             };
             let Some(length) = (0..20).map(|halvings| 0.5f64.powi(halvings)).find(|&length| hidden || gains(length))

@@ -5,7 +5,6 @@
 
 use std::ops::ControlFlow;
 
-use calipose::selection::packed::pack;
 use calipose::selection::{
     Best, Cap, Certificate, Constraints, Gradient, InformationFunction, Instance, NotEnough, RelaxationSettings,
     SearchEnd, SelectionError, Separation, Term, best, exchange, fewest, greedy, improved_greedy, relax, search,
@@ -197,7 +196,7 @@ impl Case {
 fn value(instance: &Instance, selected: &[usize]) -> f64 {
     let mut ascending = selected.to_vec();
     ascending.sort_unstable();
-    instance.log_value(&instance.total(&ascending))
+    instance.log_value(&ascending).unwrap()
 }
 
 #[test]
@@ -294,7 +293,8 @@ fn the_search_finds_what_exhaustion_finds() {
         let found = search(&instance, &start, f64::NEG_INFINITY, 100_000, &mut |progress| {
             bounds.push(progress.log_bound);
             ControlFlow::Continue(())
-        });
+        })
+        .unwrap();
         assert_eq!(found.end, SearchEnd::Optimal, "seed {seed}: {found:?}");
         assert!(case.allows(&found.selected), "seed {seed}: {found:?} {case:?}");
         assert!((found.log_value - optimum).abs() <= 2e-9, "seed {seed}: {} {optimum}", found.log_value);
@@ -317,7 +317,7 @@ fn a_search_prunes_nothing_that_it_should_find() {
         let second = below.max_by(|a, b| a.0.total_cmp(&b.0));
         let from = |(log_value, selected): (f64, Vec<usize>)| Best { selected, log_value, ..good.clone() };
         let ended = |start: &Best, wanted: f64, limit: usize| {
-            search(&instance, start, wanted, limit, &mut |_| ControlFlow::Continue(()))
+            search(&instance, start, wanted, limit, &mut |_| ControlFlow::Continue(())).unwrap()
         };
         for start in [Some(worst.clone()), second].into_iter().flatten().map(from) {
             let found = ended(&start, f64::NEG_INFINITY, 100_000);
@@ -368,7 +368,7 @@ fn a_search_finds_its_way_out_of_singular_sets() {
         let optimum = case.optimum(&instance);
         let start = start_of_search(&instance, &RelaxationSettings::default(), seed).unwrap();
         let start = Best { log_value: f64::NEG_INFINITY, ..start };
-        let found = search(&instance, &start, f64::NEG_INFINITY, 100_000, &mut |_| ControlFlow::Continue(()));
+        let found = search(&instance, &start, f64::NEG_INFINITY, 100_000, &mut |_| ControlFlow::Continue(())).unwrap();
         assert_eq!(found.end, SearchEnd::Optimal, "seed {seed}: {found:?}");
         if optimum == f64::NEG_INFINITY {
             assert_eq!(found.log_value, optimum, "seed {seed}");
@@ -392,8 +392,9 @@ fn a_search_that_is_stopped_has_a_bound() {
         let Some(instance) = case.instance() else { continue };
         let Ok(start) = best(&instance, &RelaxationSettings::default(), seed) else { continue };
         let optimum = case.optimum(&instance);
-        let by_observer = search(&instance, &start, f64::NEG_INFINITY, 100_000, &mut |_| ControlFlow::Break(()));
-        let by_limit = search(&instance, &start, f64::NEG_INFINITY, 0, &mut |_| ControlFlow::Continue(()));
+        let by_observer =
+            search(&instance, &start, f64::NEG_INFINITY, 100_000, &mut |_| ControlFlow::Break(())).unwrap();
+        let by_limit = search(&instance, &start, f64::NEG_INFINITY, 0, &mut |_| ControlFlow::Continue(())).unwrap();
         for (found, end) in [(by_observer, SearchEnd::Stopped), (by_limit, SearchEnd::NodeLimit)] {
             assert!(found.end == end || found.end == SearchEnd::Optimal, "seed {seed}: {found:?}");
             assert_eq!(found.selected, start.selected, "seed {seed}");
@@ -412,7 +413,8 @@ fn greedy_picks_what_a_full_search_picks() {
         let mut term = OwnedTerm::random(&mut rng, seed % 3, 80, 12, 1.0);
         // From the first pick on the sets are regular, so that there is no ridge to imitate.
         let p = term.candidates.order();
-        let mean = DMatrix::from_fn(p, p, |i, j| (0..80).map(|c| term.candidates.matrix(c)[(i, j)]).sum::<f64>());
+        let mean =
+            DMatrix::from_fn(p, p, |i, j| (0..80).map(|c| term.candidates.matrix(c).unwrap()[(i, j)]).sum::<f64>());
         term.prior = Some(mean);
         let instance = Instance::new(&term.candidates, term.prior.as_ref(), &term.function, 12).unwrap();
         let mut picked: Vec<usize> = vec![];
@@ -532,19 +534,20 @@ fn any_semidefinite_matrix_proves_a_bound() {
         let optimum = case.optimum(&instance);
         let mut rng = Xoshiro256Plus::seed_from_u64(seed ^ 0x5EED);
         for rank in 1..=8 {
-            let y = instance.orders().flat_map(|p| pack(&semidefinite(&mut rng, p, rank))).collect();
+            let y = instance.orders().map(|p| semidefinite(&mut rng, p, rank)).collect::<Vec<_>>();
             let mixture = (0..3).map(|_| rng.gen_range(0.0..1.0)).collect();
             let prices = if case.constraints.caps.is_empty() { vec![] } else { vec![(0, rng.gen_range(0.0..0.5))] };
-            let bound = Certificate::new(&instance, Gradient { y, mixture }, prices).unwrap().log_bound;
+            let bound = Certificate::new(&instance, Gradient::new(&y, mixture), prices).unwrap().log_bound;
             assert!(bound >= optimum, "seed {seed}, rank {rank}: {bound} < {optimum}");
         }
-        let nothing = Gradient { y: vec![0.0; instance.prior().len()], mixture: vec![1.0; 3] };
+        let zeros: Vec<_> = instance.orders().map(|p| DMatrix::zeros(p, p)).collect();
+        let nothing = Gradient::new(&zeros, vec![1.0; 3]);
         assert_eq!(Certificate::new(&instance, nothing, vec![]).unwrap().log_bound, f64::INFINITY);
         // No mixture is one of negative parts, or of none.
         if seed % 7 == 4 {
-            let y: Vec<f64> = instance.orders().flat_map(|p| pack(&DMatrix::identity(p, p))).collect();
+            let y: Vec<_> = instance.orders().map(|p| DMatrix::identity(p, p)).collect();
             for mixture in [vec![-0.2, 0.6, 0.6], vec![0.0; 3], vec![]] {
-                let gradient = Gradient { y: y.clone(), mixture };
+                let gradient = Gradient::new(&y, mixture);
                 assert_eq!(Certificate::new(&instance, gradient, vec![]).unwrap().log_bound, f64::INFINITY);
             }
         }
@@ -561,7 +564,7 @@ fn a_bound_holds_for_weights_of_little_rank() {
         let candidates = InformationSet::from_matrices(3, [&DMatrix::identity(3, 3)]).unwrap();
         let function = InformationFunction::variance(&weight);
         let instance = Instance::new(&candidates, None, &function, 1).unwrap();
-        let gradient = instance.gradient(&instance.total(&[0])).unwrap();
+        let gradient = instance.gradient(&[0]).unwrap();
         let slack = Certificate::new(&instance, gradient, vec![]).unwrap().log_bound - value(&instance, &[0]);
         assert!((0.0..1e-6).contains(&slack), "seed {seed}: {slack:e}");
     }
@@ -577,7 +580,7 @@ fn a_bound_holds_though_its_terms_cancel() {
         let candidates = InformationSet::from_matrices(3, [&view]).unwrap();
         let function = InformationFunction::min_eigenvalue();
         let instance = Instance::new(&candidates, None, &function, 1).unwrap();
-        let gradient = instance.gradient(&instance.total(&[0])).unwrap();
+        let gradient = instance.gradient(&[0]).unwrap();
         let slack = Certificate::new(&instance, gradient, vec![]).unwrap().log_bound - value(&instance, &[0]);
         assert!((0.0..1e-4).contains(&slack), "seed {seed}: {slack:e}");
     }
@@ -595,36 +598,6 @@ fn a_weight_is_that_of_its_factor_in_any_units() {
     for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
         let scale = (weight[(i, i)] * weight[(j, j)]).sqrt();
         assert!((product[(i, j)] - weight[(i, j)]).abs() < 1e-12 * scale, "{i} {j}: {product} {weight}");
-    }
-}
-
-/// Fewer views of rank one than parameters determine nothing, whatever rounding makes of their sum; nor does a sum tell its least
-/// eigenvalue that is less than the rounding of the greatest.
-#[test]
-fn what_rounding_leaves_is_no_information() {
-    let p = 4;
-    let functions = [
-        InformationFunction::Determinant,
-        InformationFunction::variance(&DMatrix::identity(p, p)),
-        InformationFunction::min_eigenvalue(),
-        InformationFunction::worst_variance(&[DMatrix::identity(p, p)]),
-    ];
-    for seed in 0..SEEDS {
-        let mut rng = Xoshiro256Plus::seed_from_u64(seed);
-        let units = normal(&mut rng, p, 1).map(|x| 10f64.powf(x));
-        let views = (1..p).map(|_| normal(&mut rng, p, 1).component_mul(&units));
-        let sum = pack(&views.fold(DMatrix::zeros(p, p), |sum, a| sum + &a * a.transpose()));
-        let mut apart = semidefinite(&mut rng, p, p) + DMatrix::identity(p, p);
-        apart.row_mut(0).scale_mut(1e12);
-        apart.column_mut(0).scale_mut(1e12);
-        let of_least = |function: &InformationFunction| *function == functions[2];
-        for function in &functions {
-            for M in [&sum, &pack(&apart)] {
-                let known = M != &sum && !of_least(function);
-                assert_eq!(function.log_value(&mut M.clone(), p).is_finite(), known, "seed {seed}: {function:?}");
-                assert_eq!(function.gradient(M, p).is_some(), known, "seed {seed}: {function:?}");
-            }
-        }
     }
 }
 
@@ -852,6 +825,17 @@ fn what_is_no_selection_and_no_certificate_is_refused() {
     assert_eq!(exchange(&instance, vec![0, 3]).unwrap_err(), beyond);
     assert_eq!(relax(&instance, &[3, 1], &settings).unwrap_err(), beyond);
     assert_eq!(spares(&instance, &[0, 3], 1).unwrap_err(), beyond);
+    assert_eq!(instance.log_value(&[3]).unwrap_err(), beyond);
+    assert_eq!(instance.gradient(&[0, 0]).unwrap_err(), SelectionError::Twice { candidate: 0 });
+    let start = best(&instance, &settings, 0).unwrap();
+    let other = |start: &Best| search(&instance, start, f64::NEG_INFINITY, 1, &mut |_| ControlFlow::Continue(()));
+    assert_eq!(other(&Best { selected: vec![0, 3], ..start.clone() }).unwrap_err(), beyond);
+    let mut heavy = start.clone();
+    heavy.relaxation.weights.push((3, 0.5));
+    assert_eq!(other(&heavy).unwrap_err(), beyond);
+    heavy = start;
+    heavy.relaxation.certificate.y.clear();
+    assert_eq!(other(&heavy).unwrap_err(), SelectionError::Length { what: "matrix Y", expected: 1, found: 0 });
     assert_eq!(without_each(&instance, &[1, 1]).unwrap_err(), SelectionError::Twice { candidate: 1 });
     assert_eq!(relax(&instance, &[1], &settings).unwrap_err(), SelectionError::TooFew { count: 2, found: 1 });
     let certificate = |y: Vec<f64>, prices| Certificate::new(&instance, Gradient { y, mixture: vec![] }, prices);

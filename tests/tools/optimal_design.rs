@@ -10,10 +10,8 @@
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
-use calipose::selection::InformationSet;
-use calipose::selection::packed::{cholesky, packed_len, whiten};
 use calipose::selection::{
-    InformationFunction, Instance, RelaxationSettings, SearchEnd, best, exchange, greedy, relax, search,
+    InformationFunction, InformationSet, Instance, RelaxationSettings, SearchEnd, best, exchange, greedy, relax, search,
 };
 use nalgebra::DMatrix;
 use rand::{Rng, SeedableRng};
@@ -42,10 +40,8 @@ fn instance(kind: Kind, n: usize, k: usize) -> InformationSet {
     let mut rng = Xoshiro256Plus::seed_from_u64(9);
     let mut normal = || -> f64 { rng.sample(StandardNormal) };
     let rows = if matches!(kind, Kind::RankOne) { 1 } else { 6 };
-    let q = packed_len(P);
-    let mut table = Vec::with_capacity(n * q);
-    let mut J = DMatrix::zeros(rows, P);
-    for _ in 0..n {
+    let mut drawn = || {
+        let mut J = DMatrix::zeros(rows, P);
         for j in 0..P {
             let size = if matches!(kind, Kind::Hetero) { (0.5 * normal()).exp() } else { 1.0 };
             let unit = if rows == 1 { 1.0 } else { 10f64.powf(-1.0 + 2.0 * j as f64 / (P - 1) as f64) };
@@ -53,19 +49,16 @@ fn instance(kind: Kind, n: usize, k: usize) -> InformationSet {
                 J[(r, j)] = normal() * size * unit;
             }
         }
-        for i in 0..P {
-            table.extend((0..=i).map(|j| J.column(i).dot(&J.column(j))));
-        }
-    }
-    let mut mean = vec![0.0; q];
-    for row in table.chunks_exact(q) {
-        for (sum, entry) in mean.iter_mut().zip(row) {
-            *sum += entry * k as f64 / n as f64;
-        }
-    }
-    assert!(cholesky(&mut mean, P), "the candidates determine every parameter");
-    for row in table.chunks_exact_mut(q) {
-        whiten(&mean, P, row);
+        J
+    };
+    let Js: Vec<DMatrix<f64>> = (0..n).map(|_| drawn()).collect();
+    let sum = Js.iter().fold(DMatrix::zeros(P, P), |sum, J| sum + J.transpose() * J);
+    let L = (sum * (k as f64 / n as f64)).cholesky().expect("the candidates determine every parameter").l();
+    let mut table = Vec::with_capacity(n * P * (P + 1) / 2);
+    for J in Js {
+        let white = L.solve_lower_triangular(&J.transpose()).expect("a regular factor");
+        let M = &white * white.transpose();
+        table.extend((0..P).flat_map(|i| (0..=i).map(move |j| (i, j))).map(|place| M[place]));
     }
     InformationSet::from_packed(P, table).expect("JᵀJ is semidefinite")
 }
@@ -84,7 +77,8 @@ fn solve(kind: Kind, criterion: &str, function: &InformationFunction, n: usize, 
     let began = Instant::now();
     let found = search(&instance, &start, f64::NEG_INFINITY, usize::MAX, &mut |_| {
         if began.elapsed() > PATIENCE { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    });
+    })
+    .expect("a start of the instance");
     let before = start.relaxation.certificate.efficiency(start.log_value);
     let after = (found.log_value - found.log_bound).exp();
     let end = if found.end == SearchEnd::Optimal { "proven optimal" } else { "gap left" };
@@ -104,7 +98,7 @@ fn time(n: usize) {
     let (swapped, exchange_time) = timed(|| exchange(&instance, picked.clone()).expect("a selection"));
     let settings = RelaxationSettings { tolerance: 1e-6, ..RelaxationSettings::default() };
     let (relaxed, relaxed_time) = timed(|| relax(&instance, &picked, &settings).expect("regular start"));
-    let value = instance.log_value(&instance.total(&swapped));
+    let value = instance.log_value(&swapped).expect("a selection");
     println!(
         "n = {n}, p = {P}, k = 20, d: check {checked:.3} s, greedy {greedy_time:.3} s, exchange {exchange_time:.3} s, relaxation \
          {relaxed_time:.3} s, gap {:.1e} in {} rounds, certified efficiency {:.4}",

@@ -4,7 +4,6 @@
 
 use calipose::camera::{Camera, Lens};
 use calipose::information::{Measurement, Unknowns};
-use calipose::selection::packed::unpack;
 use calipose::spatial::{Pose, skew};
 use calipose::target::{Board, Corners};
 use nalgebra::{DMatrix, DVector, Matrix3, Point3, UnitQuaternion, Vector3};
@@ -116,7 +115,9 @@ fn information_of_a_view() {
             corners: corners.clone(),
             noise: golden.sigma_px,
         };
-        let M = unpack(&measurement.information(&case.X_CT(), &Corners::All).unwrap(), estimated.len());
+        let X_CT = case.X_CT();
+        let views = measurement.information_set([(&X_CT, &Corners::All)]).unwrap();
+        let M = views.matrix(0).unwrap();
         let expected = matrix(&case.information);
         for i in 0..estimated.len() {
             for j in 0..estimated.len() {

@@ -234,7 +234,7 @@ mod tests {
             let explained = explain(&problem, &chooser, &plan.selected, &SETTINGS, &|_| {}).unwrap();
             let covariance = |left_out: Option<usize>| {
                 let kept = plan.selected.iter().filter(|&&i| Some(i) != left_out);
-                let M = kept.fold(DMatrix::zeros(9, 9), |M, &i| M + survey.information.matrix(i));
+                let M = kept.fold(DMatrix::zeros(9, 9), |M, &i| M + survey.information.matrix(i).unwrap());
                 M.try_inverse().unwrap()
             };
             let variance = |C: &DMatrix<f64>| (&survey.map_weight * C).trace();

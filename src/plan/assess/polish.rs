@@ -134,14 +134,14 @@ pub fn polish(
         converged = false;
         while cycles < settings.cycles && !converged {
             cycles += 1;
-            let before = stage.log_value(&current.total(&stage));
+            let before = stage.log_value_at(&current.total(&stage));
             for place in (0..fixed.len()).filter(|&place| !fixed[place]) {
                 for steps in TRIES {
                     current.improve(&setting, &stage, place, steps);
                 }
             }
-            converged = stage.log_value(&current.total(&stage)) - before < settings.least_gain;
-            let value = instance.log_value(&current.total(&instance));
+            converged = stage.log_value_at(&current.total(&stage)) - before < settings.least_gain;
+            let value = instance.log_value_at(&current.total(&instance));
             if value > best_value {
                 (best, best_value) = (current.clone(), value);
             }
@@ -267,7 +267,7 @@ impl OnePose<'_> {
     fn value_with(&self, information: &[f64]) -> f64 {
         let mut total = self.rest.clone();
         add(&mut total, information);
-        self.instance.log_value(&total)
+        self.instance.log_value_at(&total)
     }
 
     /// −log Φ; infinite where the pose is no view or not allowed.
@@ -315,7 +315,7 @@ fn shares(chooser: &Chooser, poses: &Poses) -> Result<Vec<f64>, PlanError> {
     let objective = chooser.objective().on(&poses.information);
     let all: Vec<usize> = (0..poses.views.len()).collect();
     let instance = objective.instance(all.len(), Constraints::default()).map_err(|error| chooser.explain(error))?;
-    Ok(match instance.gradient(&instance.total(&all)) {
+    Ok(match instance.gradient_at(&instance.total(&all)) {
         Some(gradient) => instance.scores_of(&gradient.y, &all),
         None => vec![f64::NAN; all.len()],
     })

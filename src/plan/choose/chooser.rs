@@ -143,7 +143,8 @@ impl<'a> Chooser<'a> {
     ) -> Result<(Choice, Certificate, Search), PlanError> {
         let instance = self.instance(count)?;
         let start = start_of_search(&instance, &self.settings, seed).map_err(|e| self.explain(e))?;
-        let found = search(&instance, &start, f64::NEG_INFINITY, self.problem.selection.node_limit, observe);
+        let found = search(&instance, &start, f64::NEG_INFINITY, self.problem.selection.node_limit, observe)
+            .map_err(|e| self.explain(e))?;
         if found.log_value == f64::NEG_INFINITY {
             return Err(self.explain(instance.unobservable(&found.selected)));
         }
@@ -272,7 +273,7 @@ impl<'a> Chooser<'a> {
     /// As [`Chooser::best`].
     pub fn shares(&self, selected: &[usize]) -> Result<Vec<f64>, PlanError> {
         let instance = self.instance(selected.len())?;
-        Ok(match instance.gradient(&instance.total(selected)) {
+        Ok(match instance.gradient_at(&instance.total(selected)) {
             Some(gradient) => instance.scores_of(&gradient.y, selected),
             None => vec![f64::NAN; selected.len()],
         })

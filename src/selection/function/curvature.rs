@@ -7,7 +7,7 @@ use crate::selection::packed::{pack, packed_len, solve_lower, unpack, whiten};
 
 /// The negative second derivative of log Φ at a point, as the square of a linear map: `−D²log Φ[Δ, Δ] = ‖map(Δ)‖²`.
 #[derive(Debug, Clone)]
-pub enum Curvature {
+pub(crate) enum Curvature {
     /// Diagonal off the diagonal of Δ, in suitable coordinates.
     Split {
         /// Packed Cholesky factor of the matrix that becomes the identity; none to leave Δ as it is.
@@ -95,7 +95,7 @@ impl Curvature {
     }
 
     /// The image of packed Δ.
-    pub fn map(&self, Δ: &[f64]) -> Vec<f64> {
+    pub(crate) fn map(&self, Δ: &[f64]) -> Vec<f64> {
         match self {
             Curvature::Dense(map) => (map * DVector::from_column_slice(Δ)).as_slice().to_vec(),
             Curvature::Split { whitener, rotation, off_diagonal, diagonal } => {

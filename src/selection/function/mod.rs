@@ -16,7 +16,7 @@
 mod curvature;
 mod soft_minimum;
 
-pub use curvature::Curvature;
+pub(crate) use curvature::Curvature;
 
 use nalgebra::DMatrix;
 
@@ -55,6 +55,13 @@ pub struct Gradient {
     pub y: Vec<f64>,
     /// The mixture λ of a worst variance at which Y is the gradient of the variance function; empty for other functions.
     pub mixture: Vec<f64>,
+}
+
+impl Gradient {
+    /// Of the p×p matrix Y of each term.
+    pub fn new(y: &[DMatrix<f64>], mixture: Vec<f64>) -> Self {
+        Self { y: y.iter().flat_map(pack).collect(), mixture }
+    }
 }
 
 impl InformationFunction {
@@ -97,7 +104,7 @@ impl InformationFunction {
     }
 
     /// `log Φ(M)` of a packed matrix of order p, which serves as work space; −∞ if M is singular to working precision.
-    pub fn log_value(&self, m: &mut [f64], p: usize) -> f64 {
+    pub(crate) fn log_value(&self, m: &mut [f64], p: usize) -> f64 {
         match self {
             InformationFunction::MinEigenvalue { softness } => {
                 let M = unpack(m, p);
@@ -118,7 +125,7 @@ impl InformationFunction {
     }
 
     /// The gradient Y of log Φ at packed M; where Φ has a kink one of its supergradients. `None` if M is singular.
-    pub fn gradient(&self, m: &[f64], p: usize) -> Option<Gradient> {
+    pub(crate) fn gradient(&self, m: &[f64], p: usize) -> Option<Gradient> {
         let mut l = m.to_vec();
         if !factored(&mut l, p) {
             return None;
@@ -159,7 +166,7 @@ impl InformationFunction {
     /// `log Φ°(Y)` of a packed positive semidefinite Y; −∞ where Φ° vanishes, which bounds nothing. Of a worst variance the
     /// polar function of its upper bound with this `mixture`, which others do not use; of a stand-in that of the function
     /// itself.
-    pub fn log_polar(&self, y: &[f64], p: usize, mixture: &[f64]) -> f64 {
+    pub(crate) fn log_polar(&self, y: &[f64], p: usize, mixture: &[f64]) -> f64 {
         match self {
             InformationFunction::Determinant => {
                 let mut l = y.to_vec();
@@ -186,7 +193,7 @@ impl InformationFunction {
     }
 
     /// The second derivative of log Φ at packed M; `None` if M is singular or Φ not smooth.
-    pub fn curvature(&self, m: &[f64], p: usize) -> Option<Curvature> {
+    pub(crate) fn curvature(&self, m: &[f64], p: usize) -> Option<Curvature> {
         if !self.is_smooth() {
             return None;
         }
@@ -292,6 +299,9 @@ fn solved(l: &[f64], X: &DMatrix<f64>) -> DMatrix<f64> {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
+    use rand::{Rng, SeedableRng};
+    use rand_distr::StandardNormal;
+    use rand_xoshiro::Xoshiro256Plus;
 
     use super::*;
     use crate::selection::packed::packed_len;
@@ -371,6 +381,40 @@ mod tests {
         for f in functions() {
             assert_eq!(f.log_value(&mut vec![0.0; packed_len(P)], P), f64::NEG_INFINITY);
             assert_eq!(f.gradient(&vec![0.0; packed_len(P)], P), None);
+        }
+    }
+
+    fn normal(rng: &mut impl Rng, rows: usize, columns: usize) -> DMatrix<f64> {
+        DMatrix::from_fn(rows, columns, |_, _| rng.sample(StandardNormal))
+    }
+
+    /// Fewer views of rank one than parameters determine nothing, whatever rounding makes of their sum; nor does a sum tell its least
+    /// eigenvalue that is less than the rounding of the greatest.
+    #[test]
+    fn what_rounding_leaves_is_no_information() {
+        let functions = [
+            InformationFunction::Determinant,
+            InformationFunction::variance(&DMatrix::identity(P, P)),
+            InformationFunction::min_eigenvalue(),
+            InformationFunction::worst_variance(&[DMatrix::identity(P, P)]),
+        ];
+        for seed in 0..400 {
+            let mut rng = Xoshiro256Plus::seed_from_u64(seed);
+            let units = normal(&mut rng, P, 1).map(|x| 10f64.powf(x));
+            let views = (1..P).map(|_| normal(&mut rng, P, 1).component_mul(&units));
+            let sum = pack(&views.fold(DMatrix::zeros(P, P), |sum, a| sum + &a * a.transpose()));
+            let A = normal(&mut rng, P, P);
+            let mut apart = &A * A.transpose() + DMatrix::identity(P, P);
+            apart.row_mut(0).scale_mut(1e12);
+            apart.column_mut(0).scale_mut(1e12);
+            let of_least = |function: &InformationFunction| *function == functions[2];
+            for function in &functions {
+                for M in [&sum, &pack(&apart)] {
+                    let known = M != &sum && !of_least(function);
+                    assert_eq!(function.log_value(&mut M.clone(), P).is_finite(), known, "seed {seed}: {function:?}");
+                    assert_eq!(function.gradient(M, P).is_some(), known, "seed {seed}: {function:?}");
+                }
+            }
         }
     }
 }

@@ -118,7 +118,7 @@ impl<'a> Instance<'a> {
         let rules = Arc::new(Rules::new(constraints, n, count)?);
         let instance = Self { blocks, count, rules };
         let everything = instance.everything();
-        if instance.log_value(&everything) == f64::NEG_INFINITY {
+        if instance.log_value_at(&everything) == f64::NEG_INFINITY {
             return Err(instance.least_known(&everything, n));
         }
         Ok(instance)
@@ -202,7 +202,7 @@ impl<'a> Instance<'a> {
     }
 
     /// `M₀ + Σ M_i` of a selection, term after term, packed.
-    pub fn total(&self, selected: &[usize]) -> Vec<f64> {
+    pub(crate) fn total(&self, selected: &[usize]) -> Vec<f64> {
         let mut total = self.prior();
         for &i in selected {
             self.add_to(&mut total, i, 1.0);
@@ -231,16 +231,35 @@ impl<'a> Instance<'a> {
     }
 
     /// Whether a selection leaves a combination of the parameters undetermined.
-    pub fn is_singular(&self, selected: &[usize]) -> bool {
-        self.log_value(&self.total(selected)) == f64::NEG_INFINITY
+    pub(crate) fn is_singular(&self, selected: &[usize]) -> bool {
+        self.log_value_at(&self.total(selected)) == f64::NEG_INFINITY
+    }
+
+    /// log Φ of a selection; −∞ if it leaves a combination of the parameters undetermined, to working precision.
+    ///
+    /// # Errors
+    /// When the selection names a candidate twice, or one that does not exist.
+    pub fn log_value(&self, selected: &[usize]) -> Result<f64, SelectionError> {
+        self.check(selected)?;
+        Ok(self.log_value_at(&self.total(selected)))
+    }
+
+    /// The gradient of log Φ at a selection, for a [`Certificate`](super::Certificate).
+    ///
+    /// # Errors
+    /// When the selection names a candidate twice, or one that does not exist, or leaves a combination of the parameters
+    /// undetermined.
+    pub fn gradient(&self, selected: &[usize]) -> Result<Gradient, SelectionError> {
+        self.check(selected)?;
+        self.gradient_at(&self.total(selected)).ok_or_else(|| self.unobservable(selected))
     }
 
     /// log Φ of a total; −∞ if it is singular to working precision.
-    pub fn log_value(&self, total: &[f64]) -> f64 {
+    pub(crate) fn log_value_at(&self, total: &[f64]) -> f64 {
         self.log_value_in_place(&mut total.to_vec())
     }
 
-    /// As [`Instance::log_value`]; the total serves as work space.
+    /// As [`Instance::log_value_at`]; the total serves as work space.
     pub(crate) fn log_value_in_place(&self, total: &mut [f64]) -> f64 {
         let log_values = self
             .blocks
@@ -250,7 +269,7 @@ impl<'a> Instance<'a> {
     }
 
     /// The gradient of log Φ at a total, term after term; `None` if it is singular.
-    pub fn gradient(&self, total: &[f64]) -> Option<Gradient> {
+    pub(crate) fn gradient_at(&self, total: &[f64]) -> Option<Gradient> {
         let mut gradient = Gradient { y: Vec::with_capacity(total.len()), mixture: vec![] };
         for block in &self.blocks {
             let Gradient { y, mixture } = block.function.gradient(&total[block.place.clone()], block.order())?;
@@ -346,7 +365,7 @@ impl<'a> Instance<'a> {
     }
 
     /// M₀ of the terms.
-    pub fn prior(&self) -> Vec<f64> {
+    pub(crate) fn prior(&self) -> Vec<f64> {
         self.blocks.iter().flat_map(|block| block.prior.iter().copied()).collect()
     }
 
@@ -413,7 +432,7 @@ impl<'a> Instance<'a> {
     }
 
     /// The error that names the combination of the parameters that a selection knows least.
-    pub fn unobservable(&self, selected: &[usize]) -> SelectionError {
+    pub(crate) fn unobservable(&self, selected: &[usize]) -> SelectionError {
         self.least_known(&self.total(selected), selected.len())
     }
 

@@ -162,14 +162,14 @@ impl InformationSet {
     }
 
     /// Candidate `i`'s matrix, packed.
-    pub fn packed(&self, i: usize) -> &[f64] {
+    pub(crate) fn packed(&self, i: usize) -> &[f64] {
         let q = packed_len(self.order);
         &self.table[i * q..(i + 1) * q]
     }
 
-    /// Candidate `i`'s matrix, p×p.
-    pub fn matrix(&self, i: usize) -> DMatrix<f64> {
-        unpack(self.packed(i), self.order)
+    /// Candidate `i`'s matrix, p×p; `None` if there is no such candidate.
+    pub fn matrix(&self, i: usize) -> Option<DMatrix<f64>> {
+        (i < self.len()).then(|| unpack(self.packed(i), self.order))
     }
 
     /// `sum += weight · M_i`, packed.
@@ -180,7 +180,7 @@ impl InformationSet {
     }
 
     /// `prior + Σ M_i` over the given candidates, packed.
-    pub fn total(&self, prior: &[f64], selected: &[usize]) -> Vec<f64> {
+    pub(crate) fn total(&self, prior: &[f64], selected: &[usize]) -> Vec<f64> {
         let mut sum = prior.to_vec();
         for &i in selected {
             self.add_to(&mut sum, i, 1.0);
@@ -189,7 +189,7 @@ impl InformationSet {
     }
 
     /// The sum of all matrices, packed.
-    pub fn sum(&self) -> Vec<f64> {
+    pub(crate) fn sum(&self) -> Vec<f64> {
         let mut sum = vec![0.0; packed_len(self.order)];
         for i in 0..self.len() {
             self.add_to(&mut sum, i, 1.0);
@@ -198,7 +198,7 @@ impl InformationSet {
     }
 
     /// The mean of all matrices, packed.
-    pub fn mean(&self) -> Vec<f64> {
+    pub(crate) fn mean(&self) -> Vec<f64> {
         let mut sum = vec![0.0; packed_len(self.order)];
         for i in 0..self.len() {
             self.add_to(&mut sum, i, 1.0 / self.len() as f64);
@@ -281,7 +281,7 @@ mod tests {
         let mut each = vec![vec![1.0; 2]; 2];
         set.add_scores_by_each(&ys.each_ref().map(Vec::as_slice), &mut each);
         assert_eq!(each, [vec![scores[0] - 9.0, scores[1] - 9.0], vec![6.0, 2.0]]);
-        assert_eq!(set.matrix(0), matrices[0]);
+        assert_eq!(set.matrix(0).as_ref(), Some(&matrices[0]));
         assert_eq!(set.total(&[0.5, 0.0, 0.0], &[0, 1]), [3.5, 1.0, 3.0]);
     }
 

@@ -1,6 +1,6 @@
 //! The candidates' information matrices, and arithmetic on packed symmetric matrices.
 
 mod information_set;
-pub mod packed;
+pub(crate) mod packed;
 
 pub use information_set::{InformationError, InformationSet};

@@ -6,18 +6,18 @@
 use nalgebra::DMatrix;
 
 /// Length of a packed matrix of order `p`.
-pub const fn packed_len(p: usize) -> usize {
+pub(crate) const fn packed_len(p: usize) -> usize {
     p * (p + 1) / 2
 }
 
 /// Packs the lower triangle of a square matrix.
-pub fn pack(matrix: &DMatrix<f64>) -> Vec<f64> {
+pub(crate) fn pack(matrix: &DMatrix<f64>) -> Vec<f64> {
     let p = matrix.nrows();
     (0..p).flat_map(|i| (0..=i).map(move |j| matrix[(i, j)])).collect()
 }
 
 /// The full symmetric p×p matrix of its packed lower triangle.
-pub fn unpack(packed: &[f64], p: usize) -> DMatrix<f64> {
+pub(crate) fn unpack(packed: &[f64], p: usize) -> DMatrix<f64> {
     DMatrix::from_fn(p, p, |i, j| if i >= j { packed[packed_len(i) + j] } else { packed[packed_len(j) + i] })
 }
 
@@ -34,7 +34,7 @@ pub(crate) fn dual(mut packed: Vec<f64>, p: usize) -> Vec<f64> {
 /// Replaces packed `M` by its Cholesky factor, `M = L Lᵀ`; `false` if M is not positive definite, to working
 /// precision.
 #[must_use]
-pub fn cholesky(m: &mut [f64], p: usize) -> bool {
+pub(crate) fn cholesky(m: &mut [f64], p: usize) -> bool {
     for i in 0..p {
         let (before, rest) = m.split_at_mut(packed_len(i));
         let row_i = &mut rest[..=i];
@@ -80,7 +80,7 @@ pub(crate) fn is_resolved(l: &[f64], p: usize) -> bool {
 }
 
 /// `M⁻¹`, p×p; `None` if M is not positive definite beyond rounding.
-pub fn inverse(m: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+pub(crate) fn inverse(m: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let p = m.nrows();
     let mut l = pack(m);
     (cholesky(&mut l, p) && is_resolved(&l, p)).then(|| inverse_of_factor(&l, p))
@@ -124,7 +124,7 @@ pub(crate) fn solve_lower_transposed(l: &[f64], p: usize, x: &mut [f64]) {
 }
 
 /// `C ← L⁻¹ C L⁻ᵀ` for packed symmetric `c`: M in the coordinates in which `L Lᵀ` is the identity.
-pub fn whiten(l: &[f64], p: usize, c: &mut [f64]) {
+pub(crate) fn whiten(l: &[f64], p: usize, c: &mut [f64]) {
     // Row by row, X = L⁻¹ C restricted to its lower triangle and then X L⁻ᵀ, as in LAPACK's sygs2.
     for k in 0..p {
         let pivot = l[packed_len(k) + k];

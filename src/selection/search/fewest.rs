@@ -119,7 +119,7 @@ impl Quest<'_> {
         let mut count = self.fewest_allowed();
         loop {
             let larger = self.instance.with_count(count)?;
-            let reaches = |selected: &[usize]| larger.log_value(&larger.total(selected)) >= self.level;
+            let reaches = |selected: &[usize]| larger.log_value_at(&larger.total(selected)) >= self.level;
             match greedy(&larger) {
                 Ok(selected) if reaches(&selected) => return Ok(selected),
                 Ok(selected) if count == most => {
@@ -230,7 +230,7 @@ impl Quest<'_> {
         let mut nodes_left = node_limit;
         for best in open {
             let smaller = self.instance.with_count(best.selected.len())?;
-            let outcome = search(&smaller, &best, self.level - MARGIN, nodes_left, observe);
+            let outcome = search(&smaller, &best, self.level - MARGIN, nodes_left, observe)?;
             nodes_left -= outcome.nodes.min(nodes_left);
             let Best { selected, relaxation, .. } = best;
             if outcome.log_value >= self.level {

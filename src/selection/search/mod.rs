@@ -150,17 +150,21 @@ fn relaxed_from_many(instance: &Instance, settings: &RelaxationSettings) -> Opti
 /// let views = InformationSet::from_matrices(2, &[along(2.0, 0.0), along(0.0, 2.0), along(1.0, 1.0)])?;
 /// let instance = Instance::new(&views, None, &InformationFunction::Determinant, 2)?;
 /// let start = start_of_search(&instance, &RelaxationSettings::default(), 0)?;
-/// let found = search(&instance, &start, f64::NEG_INFINITY, 1000, &mut |_| ControlFlow::Continue(()));
+/// let found = search(&instance, &start, f64::NEG_INFINITY, 1000, &mut |_| ControlFlow::Continue(()))?;
 /// assert_eq!((found.selected, found.end), (vec![0, 1], SearchEnd::Optimal));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+///
+/// # Errors
+/// When the start is not one of this instance.
 pub fn search(
     instance: &Instance,
     start: &Best,
     least_wanted: f64,
     node_limit: usize,
     observe: &mut dyn FnMut(&SearchProgress) -> ControlFlow<()>,
-) -> Search {
+) -> Result<Search, SelectionError> {
+    start.fits(instance)?;
     let ladder = Ladder::new(instance);
     let mut incumbent = (start.log_value, start.selected.clone());
     let threshold = |incumbent: &(f64, Vec<usize>)| incumbent.0.max(least_wanted) + SAME;
@@ -204,7 +208,7 @@ pub fn search(
     // Everything pruned is at most as good as the threshold it was pruned by.
     let log_bound = open_bound.max(log_value.max(least_wanted) + SAME);
     let root_bound = start.relaxation.certificate.log_bound;
-    Search { selected, log_value, log_bound: log_bound.min(root_bound), nodes, open_at_root, end }
+    Ok(Search { selected, log_value, log_bound: log_bound.min(root_bound), nodes, open_at_root, end })
 }
 
 /// What became of a node.
@@ -260,7 +264,7 @@ fn work(ladder: &Ladder, node: Node, threshold: f64) -> Outcome {
         let free = instance.count() - included.len();
         if free == 0 {
             included.sort_unstable();
-            let value = instance.log_value(&instance.total(&included));
+            let value = instance.log_value_at(&instance.total(&included));
             outcome.consider((value, included));
             return outcome;
         }
@@ -415,10 +419,10 @@ fn rounded(
     places.sort_unstable_by(|&a, &b| weights[b].total_cmp(&weights[a]).then(a.cmp(&b)));
     let order: Vec<usize> = places.into_iter().map(|c| open[c]).collect();
     let selected = first_allowed(instance, included, &order)?;
-    let value = instance.log_value(&instance.total(&selected));
+    let value = instance.log_value_at(&instance.total(&selected));
     if value > threshold {
         let improved = improved(instance, selected.clone());
-        let better = instance.log_value(&instance.total(&improved));
+        let better = instance.log_value_at(&instance.total(&improved));
         return Some(if better > value { (better, improved) } else { (value, selected) });
     }
     Some((value, selected))

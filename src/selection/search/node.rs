@@ -112,9 +112,9 @@ impl Face<'_> {
 
     fn solve(&mut self, best: &mut Relaxed, enough: f64, tolerance: f64) -> Option<()> {
         let mut total = self.total(&self.weights);
-        let mut value = self.instance.log_value(&total);
+        let mut value = self.instance.log_value_at(&total);
         for _ in 0..MAX_STEPS {
-            let gradient = self.instance.gradient(&total)?;
+            let gradient = self.instance.gradient_at(&total)?;
             let scores = self.instance.scores_of(&gradient.y, self.open);
             let chosen = greatest(&scores, self.count);
             let greatest: f64 = chosen.iter().map(|&c| scores[c]).sum();
@@ -137,7 +137,7 @@ impl Face<'_> {
                     weights[c] = snapped(weights[c] + length * d);
                 }
                 let total = self.total(&weights);
-                let reached = self.instance.log_value(&total);
+                let reached = self.instance.log_value_at(&total);
                 if reached - value >= 0.1 * length * slope - 1e-14 {
                     break Some((weights, total, reached));
                 }
