@@ -422,7 +422,7 @@ fn soft_limits_hold_where_they_are_tighter() {
     assert_eq!(meant.robot.chain.joints[0].limits.min, -100f64.to_radians());
     assert_eq!(
         notes(&meant),
-        "robot.limits_deg.turn: goes beyond the URDF's range from -57.296 to 114.592, as is said to be meant\n"
+        "robot.limits_deg.turn: goes beyond the URDF's range from -57.296 to 114.592, as `exceed_urdf_limits` allows\n"
     );
     let off_the_arm = problem_of(&urdf, &format!("{URDF}camera_link = \"wheel\""), "").unwrap();
     assert!(off_the_arm.notes.is_empty());
@@ -463,7 +463,7 @@ fn joints_that_go_round_are_swept_once_round() {
     assert_eq!((values, limit), (once, 360.0));
     assert_eq!(
         note,
-        "sweep: joint \"wheel_joint\" can turn through 720°; the turn from -180° to 180° is swept, which has every place of it\n"
+        "sweep: joint \"wheel_joint\" can turn through 720°; only the turn from -180° to 180° is swept, which contains every position\n"
     );
     assert_eq!(swept("limits_deg = { wheel_joint = [-90, 240] }").0.len(), 12);
 }

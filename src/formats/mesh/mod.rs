@@ -24,7 +24,7 @@ pub enum MeshError {
     #[error(transparent)]
     Disk(#[from] DiskError),
     /// The extension is of no format that is read.
-    #[error("the extension is \"{found}\"; STL, OBJ and DAE are read")]
+    #[error("the extension is \"{found}\"; supported are STL, OBJ and DAE")]
     Extension {
         /// The extension.
         found: String,
@@ -38,7 +38,7 @@ pub enum MeshError {
         message: String,
     },
     /// A binary STL has not as many bytes as its triangles take.
-    #[error("{triangles} triangles take {} bytes, the file has {bytes}", stl::size(*triangles))]
+    #[error("{triangles} triangles take {} bytes, but the file has {bytes}", stl::size(*triangles))]
     Size {
         /// Triangles that the header states.
         triangles: u32,
@@ -55,7 +55,7 @@ pub enum MeshError {
     #[error("this is a Git LFS pointer, not the mesh itself; fetch the mesh with `git lfs pull`")]
     LfsPointer,
     /// The vertices span no solid.
-    #[error("the mesh has {vertices} different vertices; a solid has at least 4")]
+    #[error("the mesh has {vertices} different vertices; a solid needs at least 4")]
     Flat {
         /// How many there are.
         vertices: usize,
