@@ -219,17 +219,17 @@ mod tests {
             ]
             .join("\n"),
             @r#"
-        the extension is "ply"; STL, OBJ and DAE are read
-        the mesh has 0 different vertices; a solid has at least 4
+        the extension is "ply"; supported are STL, OBJ and DAE
+        the mesh has 0 different vertices; a solid needs at least 4
         this is a Git LFS pointer, not the mesh itself; fetch the mesh with `git lfs pull`
-        7 triangles take 434 bytes, the file has 84
+        7 triangles take 434 bytes, but the file has 84
         line 2: "x" is not a number
         line 2: a vertex has three coordinates
         line 2: there is no vertex "2" yet
         vertex 2 is not finite
-        the mesh has 2 different vertices; a solid has at least 4
+        the mesh has 2 different vertices; a solid needs at least 4
         line 2: expected 'a' tag, not 'COLLADA'
-        the mesh has 0 different vertices; a solid has at least 4
+        the mesh has 0 different vertices; a solid needs at least 4
         line 2: "y" is not a number
         "#
         );
