@@ -99,7 +99,7 @@ pub enum ReadFault {
         instead: &'static str,
     },
     /// A file of another tool that is known but not read.
-    #[error("this is {what}, which cannot be read; {instead}")]
+    #[error("this is {what}, which is not supported; {instead}")]
     OtherFormat {
         /// What it is.
         what: &'static str,

@@ -412,8 +412,8 @@ fn soft_limits_hold_where_they_are_tighter() {
     assert_eq!((limits.min, limits.max), (-1.0, 2.0));
     assert_eq!(
         notes(&softened),
-        "robot.urdf: joint \"turn\" moves from -57.296° to 114.592°, as its safety controller lets it, tighter than its \
-         limits from -114.592° to 114.592°\n"
+        "robot.urdf: joint \"turn\" moves from -57.296° to 114.592°, the soft limits of its safety controller, which are \
+         tighter than its limits from -114.592° to 114.592°\n"
     );
     // Rounded to a thousandth as they are told, they are the URDF's own.
     let same = robot("limits_deg = { turn = [-57.296, 114.592] }").unwrap();

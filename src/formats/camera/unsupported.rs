@@ -3,13 +3,13 @@
 use crate::formats::error::{ReadError, ReadFault};
 use crate::formats::tree::Node;
 
-const UNIFIED: &str = "the unified omnidirectional model (Mei) is not supported: calibrate the camera as a fisheye, with \
+const UNIFIED: &str = "instead of the unified omnidirectional model (Mei), calibrate the camera as a fisheye, with \
                        `calipose calibrate --lens kannala-brandt`, Kalibr's pinhole-equi or cv2.fisheye";
-const DOUBLE_SPHERE: &str = "the double-sphere model is not supported: calibrate the camera as a fisheye, with `calipose calibrate \
+const DOUBLE_SPHERE: &str = "instead of the double-sphere model, calibrate the camera as a fisheye, with `calipose calibrate \
                              --lens kannala-brandt`, Kalibr's pinhole-equi or cv2.fisheye";
-const EXTENDED_UNIFIED: &str = "the extended unified model is not supported: calibrate the camera as a fisheye, with `calipose \
+const EXTENDED_UNIFIED: &str = "instead of the extended unified model, calibrate the camera as a fisheye, with `calipose \
                                 calibrate --lens kannala-brandt`, Kalibr's pinhole-equi or cv2.fisheye";
-const FIELD_OF_VIEW: &str = "the field-of-view model (Devernay, Faugeras) is not supported: calibrate the camera as a fisheye, with \
+const FIELD_OF_VIEW: &str = "instead of the field-of-view model (Devernay, Faugeras), calibrate the camera as a fisheye, with \
                              `calipose calibrate --lens kannala-brandt`, Kalibr's pinhole-equi or cv2.fisheye";
 pub(super) const THIN_PRISM: &str = "thin prisms and tilted sensors are not supported: calibrate without CALIB_THIN_PRISM_MODEL \
                                      and CALIB_TILTED_MODEL";

@@ -316,7 +316,7 @@ impl Reason {
             Reason::Missing { allowed } if !allowed.is_empty() => format!("choose one of {}", quoted(allowed)),
             Reason::NotApplicable { instead, .. } => instead.clone(),
             Reason::BoardBeyondZone { .. } => {
-                "the printed board is one square larger each way than its inner corners; use a larger zone, smaller \
+                "the printed board is one square larger each way than its inner corners; choose a larger zone, smaller \
                  squares or fewer corners"
                     .into()
             }
