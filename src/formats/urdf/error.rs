@@ -213,7 +213,7 @@ pub enum UrdfFault {
         folders: Vec<PathBuf>,
     },
     /// A mesh is named by something else than a file.
-    #[error("mesh \"{filename}\" is no file; use package://PACKAGE/PATH, file:///PATH, or a path beside this file")]
+    #[error("mesh \"{filename}\" is not a file; use package://PACKAGE/PATH, file:///PATH, or a path beside this file")]
     MeshAddress {
         /// As the file names it.
         filename: String,
