@@ -65,7 +65,7 @@ impl Default for CalibrationSettings {
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum CalibrationError {
     /// The camera and the observations are of different images.
-    #[error("the camera's image is {camera:?} px, the observations' {observations:?} px")]
+    #[error("the image size is {camera:?} px for the camera, but {observations:?} px for the observations")]
     ImageSize {
         /// Width and height of the camera's image.
         camera: (u32, u32),
@@ -81,7 +81,7 @@ pub enum CalibrationError {
         count: usize,
     },
     /// Of two intrinsics that are tied together only one is to be estimated.
-    #[error("the intrinsics {a} and {b} are tied together, but only one of them is to be estimated")]
+    #[error("the intrinsics {a} and {b} are tied together, but only one of them is estimated")]
     Tied {
         /// The first one's name.
         a: &'static str,
@@ -98,10 +98,10 @@ pub enum CalibrationError {
     },
     /// Each view of a plane by a camera without distortion fixes at most two of fx, fy, cx and cy.
     #[error(
-        "{found} {} of a planar board without lens distortion {} at most {} of fx fy cx cy; estimating {} of them takes at \
-         least {needed}",
+        "{found} {} of a planar board without lens distortion {} at most {} of fx fy cx cy; estimating {} of them needs at \
+         least {needed} views",
         if *found == 1 { "view" } else { "views" },
-        if *found == 1 { "fixes" } else { "fix" },
+        if *found == 1 { "determines" } else { "determine" },
         2 * found, pinhole_parameters
     )]
     TooFewViews {
@@ -129,7 +129,7 @@ pub enum CalibrationError {
         rows: usize,
     },
     /// Views whose corners are no image of the board's, as those of the others are.
-    #[error("in {} the corners are no image of the board in the order given", share_text(views.len(), *of))]
+    #[error("in {} the corners, in the order given, are not an image of the board", share_text(views.len(), *of))]
     Disordered {
         /// The views.
         views: Vec<usize>,
@@ -137,7 +137,9 @@ pub enum CalibrationError {
         of: usize,
     },
     /// Fewer measured coordinates than unknowns.
-    #[error("{measured} measured coordinates cannot fix {unknown} unknowns (intrinsics and six numbers a view)")]
+    #[error(
+        "{measured} measured coordinates cannot determine {unknown} unknowns (intrinsics and six numbers per view)"
+    )]
     TooFewMeasurements {
         /// Two for each corner.
         measured: usize,
@@ -160,7 +162,7 @@ pub enum CalibrationError {
     },
     /// All boards have one orientation, so that focal length and distance trade off freely.
     #[error(
-        "the boards of all views are parallel within {:.2}°, which leaves the focal length open; tilt them differently",
+        "the boards of all views are parallel to within {:.2}°, which leaves the focal length undetermined; tilt them differently",
         largest_angle.to_degrees()
     )]
     ParallelBoards {
@@ -168,13 +170,13 @@ pub enum CalibrationError {
         largest_angle: f64,
     },
     /// A combination of intrinsics that the views do not fix.
-    #[error("the views do not fix this combination of intrinsics: {}", combination_text(combination))]
+    #[error("the views do not determine this combination of intrinsics: {}", combination_text(combination))]
     Unobservable {
         /// Parameters with their share in the combination, in units of each one's own information; of unit length.
         combination: Vec<(&'static str, f64)>,
     },
     /// A view does not fix its own pose.
-    #[error("a view does not fix the pose of its board")]
+    #[error("a view does not determine the pose of its board")]
     UnobservablePose,
     /// The lens model found folds back within the corners it was found from.
     #[error("the {lens} lens that fits best folds back before it reaches corner {index} of view {view}")]

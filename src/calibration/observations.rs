@@ -124,7 +124,7 @@ pub enum ObservationError {
         weight: f64,
     },
     /// All corners of a view lie on one line of the board or of the image.
-    #[error("view {view}: its corners lie on one line, which fixes no homography")]
+    #[error("view {view}: its corners lie on one line, which does not determine a homography")]
     Collinear {
         /// The view.
         view: usize,

@@ -197,7 +197,7 @@ fn degenerate_sets_are_refused_with_their_reason() {
     let error = solve(&truth, &single).unwrap_err();
     assert_eq!(error, CalibrationError::TooFewViews { found: 1, needed: 2, pinhole_parameters: 4 });
     assert!(
-        error.to_string().starts_with("1 view of a planar board without lens distortion fixes at most 2"),
+        error.to_string().starts_with("1 view of a planar board without lens distortion determines at most 2"),
         "{error}"
     );
     for (seed, sigma) in [(7, 0.0), (8, 0.01), (9, 0.3)] {

@@ -12,9 +12,9 @@ use crate::problem::{Method, Overrides, Problem};
 /// A problem file, and what the command line says in place of its values.
 #[derive(Debug, Args)]
 pub(super) struct ProblemArguments {
-    /// Problem file
+    /// Problem file (TOML), such as `calipose init` writes
     pub(super) file: PathBuf,
-    /// Another value for a key of the problem file, by its path, as in `camera.fx_px=900`; repeatable
+    /// Replace the value of a key of the problem file, by its path, as in `camera.fx_px=900`; repeatable
     #[arg(long = "set", value_name = "KEY=VALUE")]
     set: Vec<String>,
 }
@@ -23,7 +23,7 @@ pub(super) struct ProblemArguments {
 /// file's.
 #[derive(Debug, Args)]
 pub(super) struct SelectionArguments {
-    /// What to optimise, in place of the file's criterion or accuracy
+    /// What to optimise [default: the file's criterion or accuracy]
     #[arg(long, value_parser = Named(Criterion::ALL.map(|criterion| (criterion.name(), criterion.phrase()))))]
     criterion: Option<String>,
     /// Seed of everything random [default: the file's]

@@ -51,15 +51,14 @@ impl LoadedPlan {
         let mixed = check_results(path);
         drop(held);
         let plan = Plan::from_json(&text).map_err(|error| refused(error.to_string()))?;
-        let problem_path = problem
-            .map(Path::to_owned)
-            .or_else(|| named_by_run(path))
-            .ok_or_else(|| refused("no run.json beside it tells the problem file; name it with --problem".into()))?;
+        let problem_path = problem.map(Path::to_owned).or_else(|| named_by_run(path)).ok_or_else(|| {
+            refused("no run.json beside it names the problem file; name it with --problem FILE".into())
+        })?;
         let overrides = plan.problem.overrides().map_err(|error| refused(error.to_string()))?;
         if problem.is_none() && !problem_path.exists() {
             let path = problem_path.display();
             return Err(refused(format!(
-                "run.json beside it names the problem file {path}, which is not there; say where it is with --problem FILE"
+                "run.json beside it names the problem file {path}, which does not exist; say where it is with --problem FILE"
             )));
         }
         let problem = Problem::read_with(&problem_path, &overrides)?;
@@ -70,7 +69,7 @@ impl LoadedPlan {
                     "it was made from another version of {path}; make a new plan, or name the old file with --problem"
                 )
             } else {
-                format!("it is a plan for \"{}\", and {path} states \"{}\"", plan.problem.name, problem.name)
+                format!("it is a plan for \"{}\", but {path} describes \"{}\"", plan.problem.name, problem.name)
             }));
         }
         Ok(Self { plan, problem, text, mixed })

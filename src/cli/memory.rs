@@ -47,15 +47,15 @@ impl Memory {
     pub(super) fn warning(&self, bytes: f64) -> Option<String> {
         let there = match self.free {
             Some(free) if bytes > free => format!("more than the {} that this machine has free", gigabytes(free)),
-            None if bytes > MUCH => "much".to_owned(),
+            None if bytes > MUCH => "which may be too much".to_owned(),
             _ => return None,
         };
-        Some(format!("{} of memory is {there}: {REMEDY}", gigabytes(bytes)))
+        Some(format!("the run would take {} of memory, {there}: {REMEDY}", gigabytes(bytes)))
     }
 }
 
 /// What to do about too many candidates.
-const REMEDY: &str = "take a larger step, a sample (`sample = 200_000`) with `refine = 2`, narrower joint limits, or \
+const REMEDY: &str = "use a larger step, a sample (`sample = 200_000`) with `refine = 2`, narrower joint limits, or \
                       `axis = \"zone\"`, which keeps only the configurations that point at the zone";
 
 fn gigabytes(bytes: f64) -> String {
@@ -92,7 +92,10 @@ mod tests {
         assert_eq!(memory, Memory { total: Some(16.384e9), free: Some(8.192e9) });
         assert_eq!(memory.warning(8e9), None);
         let warning = memory.warning(17.7e9).unwrap();
-        assert!(warning.starts_with("17.7 GB of memory is more than the 8.2 GB") && warning.contains("larger step"));
+        assert!(
+            warning.starts_with("the run would take 17.7 GB of memory, more than the 8.2 GB")
+                && warning.contains("larger step")
+        );
         assert_eq!(memory.within(Some(4e9), Some(1e9)), Memory { total: Some(4e9), free: Some(1e9) });
         assert!(Memory::default().warning(7e9).is_none() && Memory::default().warning(9e9).is_some());
     }

@@ -25,7 +25,7 @@ use output::Screen;
 use output::failure::Failure;
 use output::verdict::Verdict;
 
-/// Plans the robot poses that calibrate a camera best, with a certificate of how far from optimal they can be.
+/// Plans the best robot poses for calibrating a camera, with a certificate of how far from optimal they can be
 #[derive(Debug, Parser)]
 #[command(
     version,
@@ -58,7 +58,7 @@ impl Arguments {
 
 #[derive(Debug, Clone, Copy, Args)]
 struct OutputArguments {
-    /// Print nothing but errors (and, with --json, the document)
+    /// Print only errors (and, with --json, the document)
     #[arg(long, short, global = true)]
     quiet: bool,
     /// Print one JSON document on stdout instead of text
@@ -74,17 +74,17 @@ enum Command {
     Compare(compare::CompareArguments),
     /// Calibrate a camera from detected corners
     Calibrate(calibrate::CalibrateArguments),
-    /// Explain a plan: what more poses would bring, what each pose pins down, what could take its place
+    /// Explain a plan: what more poses would bring, what each pose contributes, what could replace it
     Explain(explain::ExplainArguments),
     /// Move a plan's poses off the grid, to better joint values nearby
     Polish(polish::PolishArguments),
-    /// Count the candidates, at one or several steps
+    /// Count configurations, candidates and views, at one or several steps
     Sweep(sweep::SweepArguments),
-    /// Simulate the calibration that a plan leads to and hold it against the prediction
+    /// Simulate calibrations from a plan's poses and compare them with the prediction
     Verify(verify::VerifyArguments),
-    /// Recompute a plan's certificate from its matrix and the problem file
+    /// Recompute every field of a plan from its poses, its matrix and the problem file
     Certify(certify::CertifyArguments),
-    /// Re-estimate from the views taken so far and propose the next best poses
+    /// Re-estimate the camera from the views taken so far and propose the next best poses
     Next(next::NextArguments),
     /// Find joint values that bring the camera to a requested pose
     Reach(reach::ReachArguments),
@@ -94,24 +94,24 @@ enum Command {
     Init {
         /// Where to write it [default: problem.toml, or the URDF's name with .toml]
         file: Option<PathBuf>,
-        /// URDF of the robot: the file is filled in from it, with guesses to be checked
+        /// URDF of the robot, from which the file is filled in, with guesses to check
         #[arg(long, value_name = "URDF")]
         urdf: Option<PathBuf>,
     },
     /// Print the JSON Schema of problem files, for editors, or of a document that the program writes
     Schema {
-        /// What to describe: problem files, or the documents of a kind
+        /// What to describe: problem files, or one kind of document
         #[arg(long = "for", value_name = "KIND", default_value = init::PROBLEM, value_parser = schema_name())]
         kind: String,
     },
     /// Print a completion script for a shell
     Completions {
-        /// Shell that is to complete commands and options
+        /// Shell to complete commands and options in
         shell: clap_complete::Shell,
     },
     /// Print the manual page, or write one for each command
     Man {
-        /// Folder for the pages of all commands; the first one alone is printed when left out
+        /// Folder for the pages of all commands [default: print the page of calipose itself]
         folder: Option<PathBuf>,
     },
 }
@@ -204,6 +204,6 @@ fn number_of(none: bool) -> impl Fn(&str) -> Result<usize, String> + Clone + Sen
 fn trials() -> impl clap::builder::TypedValueParser<Value = usize> {
     use clap::builder::TypedValueParser;
     clap::value_parser!(u64).range(0..=1_000_000).try_map(|trials| {
-        if trials == 1 { Err("one trial has no scatter; ask for 0 or at least 2") } else { Ok(trials as usize) }
+        if trials == 1 { Err("one trial has no scatter; give 0 or at least 2") } else { Ok(trials as usize) }
     })
 }

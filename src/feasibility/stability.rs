@@ -23,13 +23,13 @@ pub struct Stability {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 pub enum StabilityError {
     /// Fewer than three points.
-    #[error("{found} points span no support polygon; it needs at least 3")]
+    #[error("{found} points do not span a support polygon; it needs at least 3")]
     TooFewPoints {
         /// Points given.
         found: usize,
     },
     /// All points lie on one line.
-    #[error("the {points} points lie on one line and span no support polygon")]
+    #[error("the {points} points lie on one line and do not span a support polygon")]
     Collinear {
         /// Points given.
         points: usize,

@@ -22,7 +22,7 @@ pub enum DiskError {
     #[error("is larger than {LARGEST} bytes")]
     TooLarge,
     /// It is not UTF-8 text.
-    #[error("is not UTF-8 text: line {line} has a byte that belongs to no character")]
+    #[error("is not UTF-8 text: line {line} has an invalid byte")]
     Encoding {
         /// Line of the first such byte, from 1.
         line: usize,

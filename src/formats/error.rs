@@ -99,7 +99,7 @@ pub enum ReadFault {
         instead: &'static str,
     },
     /// A file of another tool that is known but not read.
-    #[error("this is {what}, which is not read; {instead}")]
+    #[error("this is {what}, which is not supported; {instead}")]
     OtherFormat {
         /// What it is.
         what: &'static str,
@@ -107,7 +107,7 @@ pub enum ReadFault {
         instead: &'static str,
     },
     /// A file in which nothing belongs to a camera.
-    #[error("there is no camera in it; read are {read}")]
+    #[error("there is no camera in the file; supported are {read}")]
     NoCamera {
         /// The files that are read.
         read: String,
@@ -125,7 +125,7 @@ pub enum ReadFault {
         instead: &'static str,
     },
     /// The pixels' rows and columns are not at right angles.
-    #[error("`{key}` is {}: skew is not supported; a nominal camera may have 0 there", plain(*value))]
+    #[error("`{key}` is {}: skew is not supported; a nominal camera must have 0 here", plain(*value))]
     Skew {
         /// The entry of the camera matrix.
         key: String,
@@ -133,7 +133,7 @@ pub enum ReadFault {
         value: f64,
     },
     /// The images are parts of those that the calibration is of.
-    #[error("`{key}` is {}: the images are not those of the calibration, but {what} of them; give the calibration of the images as they come", plain(*value))]
+    #[error("`{key}` is {}: the images are not those of the calibration, but {what} of them; give the calibration of the images as they are used", plain(*value))]
     PartOfImage {
         /// The key.
         key: String,
@@ -143,7 +143,7 @@ pub enum ReadFault {
         what: &'static str,
     },
     /// The file has several cameras, and none is chosen.
-    #[error("the file has the cameras {}; one has to be named", names.join(", "))]
+    #[error("the file has the cameras {}; name one of them", names.join(", "))]
     SeveralCameras {
         /// Their names.
         names: Vec<String>,
@@ -157,7 +157,7 @@ pub enum ReadFault {
         names: Vec<String>,
     },
     /// A line has the wrong number of columns.
-    #[error("{found} columns where the header has {expected}")]
+    #[error("{found} columns, but the header has {expected}")]
     Columns {
         /// Columns found.
         found: usize,
@@ -165,7 +165,7 @@ pub enum ReadFault {
         expected: usize,
     },
     /// An image does not have the board's corners.
-    #[error("image \"{view}\" has {found} corners up to here; the {columns} x {rows} board has {}", columns * rows)]
+    #[error("image \"{view}\" has {found} corners up to this line; the {columns} x {rows} board has {}", columns * rows)]
     CornerCount {
         /// The image.
         view: String,
@@ -177,13 +177,13 @@ pub enum ReadFault {
         rows: usize,
     },
     /// The format does not state something, and nobody else has.
-    #[error("this format does not state the {what}; it has to be given")]
+    #[error("this format does not state the {what}; it must be given separately")]
     NotStated {
         /// What.
         what: &'static str,
     },
     /// The file contradicts what is known.
-    #[error("the file states the {what} {found}, elsewhere it is {given}")]
+    #[error("the {what} is {found} in the file, but given as {given}")]
     Mismatch {
         /// What.
         what: &'static str,
@@ -193,13 +193,13 @@ pub enum ReadFault {
         given: String,
     },
     /// The images are of several cameras.
-    #[error("the images are of {} cameras, by their names: {}", cameras.len(), counts(cameras))]
+    #[error("judging by their names, the images are from {} cameras: {}", cameras.len(), counts(cameras))]
     Cameras {
         /// What the names call each, and how many images it has.
         cameras: Vec<(String, usize)>,
     },
     /// No image is meant.
-    #[error("none of the {of} images has a name like `{pattern}`; the first is \"{first}\"")]
+    #[error("none of the {of} image names matches `{pattern}`; the first is \"{first}\"")]
     NoImage {
         /// The form of the names.
         pattern: String,

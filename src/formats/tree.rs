@@ -135,7 +135,7 @@ impl<'t> Events<'t> {
                     return Err(syntax(&format!("more than {MOST_KEYS} keys"), line));
                 }
                 (Event::Scalar(key, ..), _) => key.into_owned(),
-                (_, line) => return Err(syntax("a key must be a text", line)),
+                (_, line) => return Err(syntax("a key must be a string", line)),
             };
             let (event, line) = self.next()?;
             map.push((key, self.node(event, line, depth + 1)?));
@@ -205,7 +205,7 @@ impl Node {
     pub(super) fn text(&self, key: &dyn Display) -> Result<&str, ReadError> {
         match &self.content {
             Content::Plain(text) | Content::Quoted(text) => Ok(text),
-            _ => Err(self.mistyped(key, "a text")),
+            _ => Err(self.mistyped(key, "a string")),
         }
     }
 
@@ -233,7 +233,7 @@ impl Node {
         let found = match &self.content {
             Content::Plain(text) if text.is_empty() => "empty".into(),
             Content::Plain(text) => text.clone(),
-            Content::Quoted(text) => format!("the text \"{text}\""),
+            Content::Quoted(text) => format!("the string \"{text}\""),
             Content::List(_) => "a list".into(),
             Content::Map(_) => "a map".into(),
         };

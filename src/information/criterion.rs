@@ -72,7 +72,7 @@ impl Criterion {
 
 /// A name that no criterion has.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("\"{name}\" is no criterion; there are {}", Criterion::ALL.map(Criterion::name).join(", "))]
+#[error("\"{name}\" is not a criterion; the criteria are {}", Criterion::ALL.map(Criterion::name).join(", "))]
 pub struct UnknownCriterion {
     /// The name.
     pub name: String,

@@ -39,7 +39,7 @@ impl Diagnostic for ProblemError {
                 Some(Box::new("`calipose init` writes a problem file to start from"))
             }
             Self::Read { source, .. } if source.kind() == io::ErrorKind::IsADirectory => {
-                Some(Box::new("name the problem file in it"))
+                Some(Box::new("this is a folder; name the problem file in it"))
             }
             Self::Read { .. } => None,
             Self::Encoding { .. } => Some(Box::new("save the file as UTF-8")),

@@ -122,10 +122,10 @@ fn head(file: &Path) -> String {
     let file = plain(&file.display().to_string());
     format!(
         "#:schema ./calipose.schema.json\n\
-         # Drafted from the robot's URDF. Lines that say GUESS or FILL IN are to be checked or replaced; then:\n#\n\
-         #   calipose check {file}     what a run would do\n\
+         # Drafted from the robot's URDF. Check the lines that say GUESS, replace those that say FILL IN, then run:\n#\n\
+         #   calipose check {file}     validate this file and show what a run would do\n\
          #   calipose plan {file}      choose the poses\n#\n\
-         # Lengths are in mm, angles in degrees, image sizes in px. The problem's name is the file's without its extension.\n"
+         # Lengths are in mm, angles in degrees and image sizes in px. The problem's name is the file name without its extension.\n"
     )
 }
 
@@ -162,7 +162,7 @@ fn robot_section(outline: &Outline, robot: &Robot, urdf: &Path, folder: &Path, [
         quoted(&links[base].name),
         quoted(&links[camera].name),
     );
-    text += "# The joints between the two, in their order, with their ranges:\n";
+    text += "# The joints between the two, in order, with their ranges:\n";
     let mut blank = [Vec::new(), Vec::new()];
     for joint in arm {
         let range = mechanism.joint(&joint.name).map(|i| ranges[i]).unwrap_or_default();
@@ -186,13 +186,13 @@ fn robot_section(outline: &Outline, robot: &Robot, urdf: &Path, folder: &Path, [
         let kind = mechanism.joint(first).map(|i| mechanism.joints[i].kind);
         let key = if kind == Some(JointKind::Prismatic) { "joint_values_mm" } else { "joint_values_deg" };
         text += &format!(
-            "# All other joints are held at 0, or the limit next to it; other values by {key} = {{ {} = 10 }}:\n{}\n",
+            "# All other joints are held at 0, or at the limit nearest to 0; for other values, give {key} = {{ {} = 10 }}:\n{}\n",
             toml_key(first),
             listed(held.into_iter()),
         );
     }
     if outline.collisions == 0 {
-        text += "# The URDF has no <collision> bodies, so that neither self-collision nor what hides the board is tested. FILL IN:\n\
+        text += "# The URDF has no <collision> bodies, so neither self-collision nor occlusion of the board is tested. FILL IN:\n\
                  # [[robot.bodies]]\n# link = \"...\"\n# capsule_mm = [60, 400] # or box_mm, sphere_mm, cylinder_mm\n\
                  # pose = { position_mm = [0, 0, 200] }\n";
     }
@@ -208,7 +208,7 @@ fn described(joint: &Joint, range: &StatedRange) -> String {
     let unit = joint.kind.display_sign();
     let [min, max] = [joint.limits.min, joint.limits.max].map(|limit| joint.kind.to_display(limit));
     match range {
-        _ if range.is_blank() => format!("{kind}, its limits are not stated"),
+        _ if range.is_blank() => format!("{kind}, without limits"),
         StatedRange { continuous: true, soft: None, .. } => "continuous".into(),
         _ => format!("{kind}, {min:.1} … {max:.1}{unit}"),
     }
@@ -246,14 +246,14 @@ fn packages(meshes: &[String], urdf: &Path, folder: &Path) -> String {
 
 fn camera_section(link: &str) -> String {
     let mount = if is_optical(link) {
-        "# The link's frame is taken for the camera's: x right, y down, z forward. Else: mount = { rpy_deg = [0, 0, 0] }\n"
+        "# The link's frame is taken as the camera's: x right, y down, z forward. If it is not: mount = { rpy_deg = [0, 0, 0] }\n"
     } else if is_body(link) {
         "mount = { rpy_deg = [-90, 0, -90] } # GUESS: the link's x is forward and its z up, as on camera bodies in ROS\n"
     } else {
         "mount = { position_mm = [0, 0, 0], rpy_deg = [0, 0, 0] } # FILL IN: the camera (x right, y down, z forward) on the link\n"
     };
     format!(
-        "# The camera's nominal calibration: what is known of it now. FILL IN, or name a file: file = \"camera_info.yaml\"\n[camera]\n\
+        "# The camera's nominal calibration: what you know now. FILL IN, or name a file: file = \"camera_info.yaml\"\n[camera]\n\
          {mount}width_px = 1280\nheight_px = 720\nfx_px = 900\n# distortion = {{ model = \"brown-conrady\" }}\n"
     )
 }
@@ -269,9 +269,9 @@ fn target_section(robot: &Robot, description: &Description) -> String {
     let name = if description.name.is_empty() { "the robot".into() } else { plain(&description.name) };
     let distance = TO_BOARD * 1e3;
     format!(
-        "# The board: FILL IN its inner corners and where it stands. `link = \"...\"` puts it on another link than base_link.\n\
+        "# The board: FILL IN its inner corners and its pose. `link = \"...\"` puts it on another link than base_link.\n\
          [target]\ncolumns = 8\nrows = 6\nsquare_mm = 30\n\
-         # GUESS: {distance} mm before the camera when the joints of {name} are in the middle of their ranges, facing it.\n\
+         # GUESS: {distance} mm in front of the camera and facing it, with the joints of {name} in the middle of their ranges.\n\
          pose = {{ position_mm = [{x}, {y}, {z}], rpy_deg = [{roll}, {pitch}, {yaw}] }}\n"
     )
 }

@@ -22,7 +22,7 @@ pub enum ProblemError {
         source: io::Error,
     },
     /// The file is not UTF-8 text.
-    #[error("{} is not UTF-8 text: line {line} has a byte that belongs to no character", path.display())]
+    #[error("{} is not UTF-8 text: line {line} has an invalid byte", path.display())]
     Encoding {
         /// The file.
         path: PathBuf,

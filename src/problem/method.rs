@@ -52,13 +52,13 @@ impl Method {
     pub fn phrase(self) -> &'static str {
         match self {
             Method::Best => "the better of greedy and rounded relaxation, each improved by exchange",
-            Method::Exact => "the same, then branch and bound until the best set is proven or a limit reached",
-            Method::Relaxation => "the greatest weights of the convex relaxation",
-            Method::Exchange => "greedy, then swaps as long as one improves",
-            Method::Greedy => "the pose that adds most, again and again",
-            Method::Random => "poses at random, to compare with",
-            Method::KMeansJoints => "nearest to the centres of clusters of joint values, to compare with",
-            Method::KMeansPositions => "nearest to the centres of clusters of camera positions, to compare with",
+            Method::Exact => "best, then branch and bound until the best set is proven or a limit is reached",
+            Method::Relaxation => "the largest weights of the convex relaxation",
+            Method::Exchange => "greedy, then swaps as long as a swap improves the set",
+            Method::Greedy => "the pose that adds most, one at a time",
+            Method::Random => "random poses, for comparison",
+            Method::KMeansJoints => "poses nearest to the centres of clusters of joint values, for comparison",
+            Method::KMeansPositions => "poses nearest to the centres of clusters of camera positions, for comparison",
         }
     }
 

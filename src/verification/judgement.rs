@@ -79,7 +79,7 @@ impl fmt::Display for Judgement {
             Self::NoCalibration => return f.write_str("Verdict: the plan does not lead to a calibration."),
             Self::MostFail { failed } => return write!(f, "Verdict: {} of the calibrations fail.", percent(*failed)),
             Self::TooFew { good } => {
-                return write!(f, "Verdict: none; {good} of {LEAST_TRIALS} calibrations that a verdict takes.");
+                return write!(f, "Verdict: none; {good} calibrations, but a verdict needs {LEAST_TRIALS}.");
             }
             Self::Compared { failed, worse, better } => (*failed, worse, better),
         };
@@ -88,7 +88,7 @@ impl fmt::Display for Judgement {
             write!(f, "{} of the calibrations fail; of the others, ", percent(failed))?;
         }
         match (&worse[..], &better[..]) {
-            ([], []) => f.write_str("the plan does what it predicts; the scatter of every intrinsic agrees.")?,
+            ([], []) => f.write_str("the plan does as predicted; the scatter of every intrinsic agrees.")?,
             ([], better) => write!(f, "the plan does better than predicted in {}.", better.join(", "))?,
             (worse, _) => write!(f, "the plan does worse than predicted in {}.", worse.join(", "))?,
         }
@@ -129,14 +129,14 @@ mod tests {
         for (judgement, holds, words) in [
             (trials(0, 5, 1.0), Some(false), "does not lead to a calibration."),
             (trials(4, 6, 1.0), Some(false), "60 % of the calibrations fail."),
-            (trials(29, 0, 9.0), None, "none; 29 of 30"),
-            (trials(500, 0, 1.0), Some(true), "Verdict: the plan does what it predicts;"),
+            (trials(29, 0, 9.0), None, "none; 29 calibrations, but a verdict needs 30"),
+            (trials(500, 0, 1.0), Some(true), "Verdict: the plan does as predicted;"),
             (trials(500, 0, 0.8), Some(true), "better than predicted in k1."),
             (trials(500, 0, 1.3), Some(false), "worse than predicted in k1."),
             (
                 trials(480, 20, 1.0),
                 Some(false),
-                "4 % of the calibrations fail; of the others, the plan does what it predicts;",
+                "4 % of the calibrations fail; of the others, the plan does as predicted;",
             ),
         ] {
             assert_eq!(judgement.holds(), holds, "{judgement}");

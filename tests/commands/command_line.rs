@@ -209,7 +209,7 @@ fn too_many_or_too_few_poses_are_explained() {
     );
     for method in ["best", "greedy", "random", "kmeans-joints"] {
         let complaint = desk.complaint(&format!("plan pinhole.toml -k 1 --method {method}"), 1);
-        assert!(complaint.contains("1 pose cannot determine all intrinsics; left open: 1.000 "), "{complaint}");
+        assert!(complaint.contains("1 pose cannot determine all intrinsics; undetermined: 1.000 "), "{complaint}");
         assert!(complaint.contains("ask for more poses"), "{complaint}");
     }
     assert!(desk.complaint("plan coarse.toml -k 0", 3).contains("must be from 1 to 42120"));
@@ -237,12 +237,12 @@ fn wrong_command_lines_end_with_two() {
     for (line, words) in [
         ("plan coarse.toml --method gredy", "did you mean `greedy`?"),
         ("plan coarse.toml --criterion z", "allowed: `d`, `a`, `e`, `v`, `zhang`, `diversity`"),
-        ("plan coarse.toml --count ten", "`selection.count` is the text \"ten\""),
+        ("plan coarse.toml --count ten", "`selection.count` is the string \"ten\""),
         ("plan coarse.toml --count -3", "must be a whole number, at least 1"),
         ("plan coarse.toml --seed 1.5", "must be a whole number, at least 0"),
         ("sweep coarse.toml --step -8", "`sweep.step_deg` is -8"),
         ("sweep coarse.toml --step 0", "`sweep.step_deg` is 0"),
-        ("sweep coarse.toml --step NaN", "`sweep.step_deg` is the text \"NaN\""),
+        ("sweep coarse.toml --step NaN", "`sweep.step_deg` is the string \"NaN\""),
     ] {
         let complaint = desk.complaint(line, 3);
         assert!(complaint.contains(words), "{line}: {complaint}");
@@ -267,16 +267,18 @@ fn a_board_out_of_sight_is_explained() {
     desk.change("far.toml", &[far, ("[visibility]", "[visibility]\nmax_distance_mm = 1500")]);
     let complaint = desk.complaint("plan far.toml", 1);
     assert!(complaint.contains("points the camera at the target zone"), "{complaint}");
-    assert!(complaint.contains("All fail by distance: the closest camera is"), "{complaint}");
+    assert!(complaint.contains("rejected for the reason \"distance\""), "{complaint}");
+    assert!(complaint.contains("Nearest miss: the closest camera is"), "{complaint}");
     desk.change("near.toml", &[("[visibility]", "[visibility]\nmin_distance_mm = 90000")]);
     let complaint = desk.complaint("plan near.toml", 1);
-    assert!(complaint.contains("rejected: ") && complaint.contains("distance"), "{complaint}");
+    assert!(complaint.contains("rejected, by reason: ") && complaint.contains("distance"), "{complaint}");
     assert!(
         complaint.contains("the farthest camera is") && complaint.contains("min_distance_mm is 90000"),
         "{complaint}"
     );
     let checked = desk.stdout("check near.toml");
-    assert!(checked.contains("Warning: no views. All fail by distance: the farthest camera is"), "{checked}");
+    assert!(checked.contains("Warning: no views. All of the "), "{checked}");
+    assert!(checked.contains("the reason \"distance\".\nNearest miss: the farthest camera is"), "{checked}");
     let diagnosis = &desk.json("check near.toml --json")["diagnosis"];
     assert_eq!(
         (&diagnosis["obstacle"]["reason"], &diagnosis["obstacle"]["stops_all"]),
@@ -480,7 +482,7 @@ fn a_plan_for_a_robot_that_has_changed_is_refused() {
     let changed = urdf.replace("xyz=\"0 0.12 0.48\"", "xyz=\"0 0.12 0.481\"");
     assert_ne!(changed, urdf);
     std::fs::write(desk.path("urdf/six-axis-rover.urdf"), changed).unwrap();
-    assert!(desk.complaint("verify out/plan.json -n 4", 3).contains("lead elsewhere"));
+    assert!(desk.complaint("verify out/plan.json -n 4", 3).contains("lead to another camera pose"));
 }
 
 /// Views that repeat each other exactly teach in proportion, where rounding decides what greedy sees.

@@ -28,7 +28,7 @@ fn explain_tells_of_the_plan_that_was_written() {
     let desk = desk(&[], " --criterion d -k 9");
     let plan = read_plan(&desk);
     let told = stdout(desk.path(), "explain out/plan.json --most 11 --spares 2");
-    for words in ["criterion `d`", "bound", "suffers most", "take each pose's place", "The least known combination is"]
+    for words in ["criterion `d`", "bound", "most affected", "take each pose's place", "The least known combination is"]
     {
         assert!(told.contains(words), "{words:?} is missing from\n{told}");
     }
@@ -107,7 +107,7 @@ fn polish_writes_better_poses_beside_the_plan() {
     assert!(!again.contains("Removed") && desk.path().join("out/polished.csv").exists(), "{again}");
     stdout(desk.path(), "polish out/plan.json --cycles 1 -q");
     let other = stdout(desk.path(), "plan problem.toml --trials 0 -k 9 -o out");
-    assert!(other.contains("Removed, as of the plan before: polished.json, polished.csv."), "{other}");
+    assert!(other.contains("Removed, because made from the previous plan: polished.json, polished.csv."), "{other}");
     assert!(!desk.path().join("out/polished.json").exists() && !desk.path().join("out/polished.csv").exists());
 }
 
@@ -138,9 +138,9 @@ fn what_is_no_plan_of_the_problem_is_refused() {
         change(&|plan| plan.poses[0].id += 1_000_000);
         assert!(complaint(desk.path(), &plan, 3).contains("is not among the"));
         change(&|plan| plan.poses[0].joints_rad[1] += 1e-3);
-        assert!(complaint(desk.path(), &plan, 3).contains("lead elsewhere"));
+        assert!(complaint(desk.path(), &plan, 3).contains("lead to another camera pose"));
         change(&|plan| plan.poses[0] = plan.poses[1].clone());
-        assert!(complaint(desk.path(), &plan, 3).contains("is in it twice"));
+        assert!(complaint(desk.path(), &plan, 3).contains("occurs twice"));
         change(&|plan| plan.certificate.terms[0].criterion = "best".into());
         assert!(
             complaint(desk.path(), &plan, 3).contains("its certificate is for \"1 best\"; the problem asks for \"v\"")

@@ -87,7 +87,7 @@ fn paths_that_lead_nowhere_are_refused_with_the_place() {
         ("camera.fx_px.x=900", "neither a section nor a list"),
         ("robot.joints[9].a_mm=1", "element 9 of a list that has 4"),
         ("robot.joints.a_mm=1", "name an element first"),
-        ("camera[0]=1", "asks for an element of what is no list"),
+        ("camera[0]=1", "asks for an element of a value that is not a list"),
     ] {
         let told = sentences(with(&[given]));
         assert!(told.len() == 1 && told[0].contains(expected), "{given}: {told:?}");

@@ -116,7 +116,7 @@ fn the_command_says_what_it_cannot_reach() {
     let (code, stdout, stderr) =
         calipose("reach problems/six-axis-rover.toml --position-mm 3000,0,1000 --rpy-deg 180,0,0");
     assert_eq!(code, Some(4));
-    assert!(stdout.contains("nothing found takes the pose; the nearest"), "{stdout}");
+    assert!(stdout.contains("no configuration found takes the pose; the nearest"), "{stdout}");
     assert!(stderr.contains("no configuration found within the joint limits takes the pose"), "{stderr}");
     let (code, _, stderr) = calipose("reach problems/servosila-engineer.toml --distance-mm 600 --tilt-deg 20");
     assert_eq!(code, Some(4));

@@ -72,7 +72,7 @@ fn a_killed_run_leaves_the_files_of_one_run_or_it_is_found_out() {
         } else {
             torn += 1;
             let complaint = desk.complaint("verify out/plan.json -n 2", 3);
-            assert!(complaint.contains("not of one run"), "{complaint}");
+            assert!(complaint.contains("not from one run"), "{complaint}");
         }
     }
     // The next run makes it good, and clears up.
@@ -91,7 +91,7 @@ fn every_reader_refuses_files_of_two_runs() {
     std::fs::copy(desk.path("nine.csv"), desk.path("out/plan.csv")).unwrap();
     for command in ["certify", "verify", "explain", "polish"] {
         let complaint = desk.complaint(&format!("{command} out/plan.json"), 3);
-        assert!(complaint.contains("not of one run: plan.csv is otherwise than run.json says"), "{complaint}");
+        assert!(complaint.contains("not from one run: plan.csv does not match run.json"), "{complaint}");
         assert!(complaint.contains("make the plan again"), "{complaint}");
     }
     // The plan alone is as good as ever.

@@ -137,7 +137,10 @@ fn a_stereo_file_has_two_cameras_and_no_image_size() {
     let right = read(Some([640, 480]), Some("M2")).unwrap();
     assert_eq!(right.intrinsics()[2..5], [334.55744527912015, 242.053245733766, -0.16916358306948096]);
     let message = |found: Result<Camera, ReadError>| found.unwrap_err().to_string();
-    assert_eq!(message(read(None, None)), "line 2: this format does not state the image size; it has to be given");
+    assert_eq!(
+        message(read(None, None)),
+        "line 2: this format does not state the image size; it must be given separately"
+    );
     assert_eq!(message(read(Some([640, 480]), Some("M3"))), "line 2: there is no camera \"M3\"; the file has M1, M2");
 }
 
@@ -150,7 +153,7 @@ fn a_chain_of_several_cameras_needs_a_name() {
     };
     assert_eq!(
         read_camera(&two).unwrap_err().to_string(),
-        "line 1: the file has the cameras cam0, cam1; one has to be named"
+        "line 1: the file has the cameras cam0, cam1; name one of them"
     );
     assert_eq!(read(&two, "cam1").unwrap().width(), 640);
     assert_eq!(read(&one, "cam0").unwrap(), read_camera(&one).unwrap());

@@ -369,12 +369,12 @@ fn what_is_put_right_or_left_out_is_noted() {
     let X_BC = problem.robot.camera_pose(&[0.0, 0.5]);
     assert!((X_BC.translation.vector - Vector3::new(0.0, 0.3, 0.3 + 0.4)).norm() < 1e-15);
     insta::assert_snapshot!(notes(&problem), @r#"
-    robot.urdf: line 5, link "base": the <collision> has no shape; left out
-    robot.urdf: line 21, joint "slide": the axis has length 5; taken with length 1
-    robot.urdf: line 34, link "fingertip": the <sphere> has no extent; left out
-    robot.urdf: line 42, link "wheel": the <collision> has no shape; left out
-    robot.urdf: line 31, joint "finger": it mimics joint "nobody", which does not exist. It is off the arm and stands as at 0
-    robot.urdf: line 36, joint "wheel_joint": the type is "floating", which is not supported; supported: revolute, continuous, prismatic, fixed. Make the joint fixed, or leave out what is above it. It is off the arm and stands as at 0
+    robot.urdf: line 5, link "base": the <collision> has no shape and is left out
+    robot.urdf: line 21, joint "slide": the axis has length 5 and is normalised
+    robot.urdf: line 34, link "fingertip": the <sphere> has no extent and is left out
+    robot.urdf: line 42, link "wheel": the <collision> has no shape and is left out
+    robot.urdf: line 31, joint "finger": it mimics joint "nobody", which does not exist. It is off the arm and is held at 0
+    robot.urdf: line 36, joint "wheel_joint": the type is "floating", which is not supported; supported: revolute, continuous, prismatic, fixed. Make the joint fixed, or leave out what is above it. It is off the arm and is held at 0
     "#);
     // Plates and rods are no empty shapes: others can touch them.
     let flat = changed(&[("0.2 0.4 0.6", "0.2 0.4 0"), ("<cylinder radius=\"0.1\"", "<cylinder radius=\"0\"")]);
@@ -412,8 +412,8 @@ fn soft_limits_hold_where_they_are_tighter() {
     assert_eq!((limits.min, limits.max), (-1.0, 2.0));
     assert_eq!(
         notes(&softened),
-        "robot.urdf: joint \"turn\" moves from -57.296° to 114.592°, as its safety controller lets it, tighter than its \
-         limits from -114.592° to 114.592°\n"
+        "robot.urdf: joint \"turn\" moves from -57.296° to 114.592°, the soft limits of its safety controller, which are \
+         tighter than its limits from -114.592° to 114.592°\n"
     );
     // Rounded to a thousandth as they are told, they are the URDF's own.
     let same = robot("limits_deg = { turn = [-57.296, 114.592] }").unwrap();
@@ -422,7 +422,7 @@ fn soft_limits_hold_where_they_are_tighter() {
     assert_eq!(meant.robot.chain.joints[0].limits.min, -100f64.to_radians());
     assert_eq!(
         notes(&meant),
-        "robot.limits_deg.turn: goes beyond the URDF's range from -57.296 to 114.592, as is said to be meant\n"
+        "robot.limits_deg.turn: goes beyond the URDF's range from -57.296 to 114.592, as `exceed_urdf_limits` allows\n"
     );
     let off_the_arm = problem_of(&urdf, &format!("{URDF}camera_link = \"wheel\""), "").unwrap();
     assert!(off_the_arm.notes.is_empty());
@@ -463,7 +463,7 @@ fn joints_that_go_round_are_swept_once_round() {
     assert_eq!((values, limit), (once, 360.0));
     assert_eq!(
         note,
-        "sweep: joint \"wheel_joint\" can turn through 720°; the turn from -180° to 180° is swept, which has every place of it\n"
+        "sweep: joint \"wheel_joint\" can turn through 720°; only the turn from -180° to 180° is swept, which contains every position\n"
     );
     assert_eq!(swept("limits_deg = { wheel_joint = [-90, 240] }").0.len(), 12);
 }
@@ -532,7 +532,7 @@ fn endless_descriptions_are_refused() {
     insta::assert_snapshot!(errors.map(|error| error.to_string()).join("\n"), @r#"
     line 2: this cannot be read as XML: an element has more than 1000 attributes
     line 1: there are 1001 <link> elements; at most 1000 are read
-    line 16, link "column": mesh "endless.dae": line 1: the scene's instances come to more than 10000000 elements
+    line 16, link "column": mesh "endless.dae": line 1: the instances of the scene have more than 10000000 elements in all
     "#);
 }
 

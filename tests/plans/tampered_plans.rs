@@ -477,9 +477,9 @@ fn names_that_do_not_fit_are_refused_by_every_command_that_reads_plans() {
         ("/joints", "the robot's are waist, shoulder, elbow, neck"),
         ("/intrinsics/names", "the problem estimates fx, fy, cx"),
         ("/intrinsics/nominal", "another nominal camera"),
-        ("/poses/0/joints_deg", "lead elsewhere"),
-        ("/poses/0/joints_rad", "lead elsewhere"),
-        ("/poses/0/camera_in_base/position_m", "lead elsewhere"),
+        ("/poses/0/joints_deg", "lead to another camera pose"),
+        ("/poses/0/joints_rad", "lead to another camera pose"),
+        ("/poses/0/camera_in_base/position_m", "lead to another camera pose"),
     ] {
         swapped(key);
         assert!(desk.complaint("certify out/plan.json --problem coarse.toml", 1).contains(words), "{key}");

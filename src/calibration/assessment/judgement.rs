@@ -88,7 +88,7 @@ impl Judgement {
         match self {
             Self::NotConverged => format!(
                 "Do not use this camera: the calibration did not converge in {} iterations. Estimate fewer coefficients, \
-                 as in `--fix k3=0`, or take another lens model.",
+                 as in `--fix k3=0`, or choose another lens model.",
                 calibration.convergence.iterations
             ),
             Self::WrongLens(OtherLens { lens, rms, .. }) => format!(
@@ -101,7 +101,7 @@ impl Judgement {
             Self::Outliers(count) => {
                 let loss = match loss {
                     LossKind::Squared => "; `--loss cauchy` withstands a few",
-                    LossKind::Huber | LossKind::Cauchy => ", and leave out what was detected wrongly",
+                    LossKind::Huber | LossKind::Cauchy => ", and leave out wrong detections",
                 };
                 format!(
                     "Doubtful: {count} corners do not fit. Look at the images named, or at another lens model{loss}."
@@ -109,19 +109,21 @@ impl Judgement {
             }
             Self::Missed(missed) => {
                 let each = |AccuracyReached { what, limit, reached }: &AccuracyReached| {
-                    format!("{what} is {} where {limit} is requested", short(*reached))
+                    format!("{what} is {}, but {limit} is requested", short(*reached))
                 };
                 let missed = missed.iter().map(each).collect::<Vec<_>>().join(", ");
                 format!("Not accurate enough: {missed}.{lacks}")
             }
             Self::Weak => format!(
-                "Weak: over the image the camera is known to {error} px only, while a corner is seen to {noise} px.{lacks}"
+                "Weak: over the image, the camera is known only to {error} px, while corners are detected to {noise} px.{lacks}"
             ),
             Self::Fair => format!(
-                "Fair: over the image the camera is known to {error} px; a corner is seen to {noise} px. More views would pay.{lacks}"
+                "Fair: over the image, the camera is known to {error} px, and corners are detected to {noise} px. More views would help.{lacks}"
             ),
             Self::Good => {
-                format!("Good: over the image the camera is known to {error} px; a corner is seen to {noise} px.")
+                format!(
+                    "Good: over the image, the camera is known to {error} px, and corners are detected to {noise} px."
+                )
             }
         }
     }

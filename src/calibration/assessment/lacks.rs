@@ -102,7 +102,7 @@ impl fmt::Display for Lacks {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let Self { weakest, empty, tilt, more_views } = self;
         if let Some(WeakCombination { names, share }) = weakest {
-            write!(f, " {:.0} % of its square comes from ", 100.0 * share)?;
+            write!(f, " {:.0} % of the squared map error comes from ", 100.0 * share)?;
             match &names[..] {
                 [name] => write!(f, "{name}.")?,
                 names => write!(f, "one combination of {}.", names.join(", "))?,
@@ -110,7 +110,7 @@ impl fmt::Display for Lacks {
         }
         if !empty.is_empty() {
             let names: Vec<&str> = empty.iter().map(|region| region.name()).collect();
-            write!(f, " No corner lies in the image's {}: bring the board there.", names.join(", "))?;
+            write!(f, " There are no corners in the image's {}: move the board there.", names.join(", "))?;
         }
         match tilt {
             Some(TiltLack::TooFlat(largest)) => {
@@ -123,7 +123,7 @@ impl fmt::Display for Lacks {
             None => {}
         }
         if let Some(MoreViews { views, taken, goal }) = more_views {
-            write!(f, " About {views} views like these {taken} would bring it to {goal} px.")?;
+            write!(f, " About {views} views like these {taken} would bring the map error to {goal} px.")?;
         }
         Ok(())
     }

@@ -11,9 +11,9 @@ use crate::plan::assess::{CertifyError, Unchecked, certify};
 
 #[derive(Debug, Args)]
 pub(crate) struct CertifyArguments {
-    /// Plan, as `calipose plan` wrote it
+    /// plan.json of the plan, as `calipose plan` wrote it
     plan: PathBuf,
-    /// Problem file [default: the one that run.json beside the plan names]
+    /// Problem file [default: the one named in run.json beside the plan]
     #[arg(long)]
     problem: Option<PathBuf>,
 }
@@ -30,8 +30,8 @@ pub(crate) fn run(arguments: &CertifyArguments, screen: &mut Screen) -> Result<(
     screen.document(&confirmed.document(plan))?;
     let mut text = format!(
         "{}: the certificate holds. Criterion `{}`, {} poses: value {}, bound {} over all {} views, certified efficiency \
-         {:.4}.\nEvery field of the plan was recomputed from the problem file and the plan's matrix, and agrees to {:.0e}, \
-         but for those below.",
+         {:.4}.\nEvery field of the plan, except those listed below, was recomputed from the problem file and the plan's \
+         matrix, and agrees to {:.0e}.",
         plan.problem.name,
         plan.criterion,
         plan.count,
@@ -45,13 +45,13 @@ pub(crate) fn run(arguments: &CertifyArguments, screen: &mut Screen) -> Result<(
         text += &match (confirmed.least, &fewest.refutation) {
             (Some(least), _) => format!("\n{} poses are proven not to reach the accuracy.", least - 1),
             (None, Some(_)) => {
-                format!("\nThat {} poses do not reach the accuracy was found by search.", fewest.least - 1)
+                format!("\n{} poses do not reach the accuracy; this was found by search.", fewest.least - 1)
             }
             (None, None) => String::new(),
         };
     }
     if plan.search.is_some() {
-        text += "\nThe plan claims more than its matrix: a bound found by search, which `calipose plan` repeats.";
+        text += "\nThe plan claims more than its matrix proves: a bound found by search, which only `calipose plan` can repeat.";
     }
     for same_reason in confirmed.unchecked.chunk_by(|a, b| a.reason == b.reason) {
         let fields: Vec<String> = same_reason.iter().map(|unchecked| format!("`{}`", unchecked.field)).collect();

@@ -22,16 +22,16 @@ pub(crate) struct CompareArguments {
     problem: ProblemArguments,
     #[command(flatten)]
     selection: SelectionArguments,
-    /// Numbers of poses [default: the file's, half as many again, and twice as many]
+    /// Numbers of poses to compare [default: the file's number, 1.5 times and twice as many]
     #[arg(long, short = 'k', value_delimiter = ',', value_parser = number_of(false), allow_hyphen_values = true)]
     counts: Vec<usize>,
-    /// Seeds for the methods that depend on one; their medians are shown
+    /// Number of seeds for the methods that depend on one; medians are shown
     #[arg(long, default_value_t = 5, value_parser = number_of(false))]
     seeds: usize,
     /// Number of simulated calibrations per row for the measured columns; 0 for none
     #[arg(long, default_value_t = 50, value_parser = trials())]
     trials: usize,
-    /// Most poses to try for the k-means that equals the plan
+    /// Maximum number of poses when looking for the k-means that equals the plan
     #[arg(long, default_value_t = 400, value_parser = number_of(false))]
     limit: usize,
 }
@@ -140,9 +140,9 @@ fn text_row(problem: &Problem, chooser: &Chooser, row: &Row, measured: Option<&M
 fn sentence(count: usize, equivalent: &Equivalent) -> String {
     let feature = if equivalent.method == Method::KMeansJoints { "joints" } else { "camera positions" };
     match equivalent.poses {
-        Some(poses) => format!("k-means on {feature} needs {poses} poses for what this plan does with {count}."),
+        Some(poses) => format!("k-means on {feature} needs {poses} poses to match this plan with {count}."),
         None => format!(
-            "k-means on {feature} does not reach with {} poses what this plan does with {count}.",
+            "k-means on {feature} does not match this plan with {count} poses, even with {} poses.",
             equivalent.tried
         ),
     }

@@ -25,7 +25,7 @@ pub(crate) fn manual(folder: Option<&Path>, screen: &mut Screen) -> Result<(), F
     let commands = command.get_subcommands().filter(|subcommand| subcommand.get_name() != "help").cloned();
     let pages = std::iter::once(command.clone()).chain(commands).map(page).collect::<Result<Vec<_>, Failure>>()?;
     writing(|| pages.iter().try_for_each(|(name, text)| write_atomically(&folder.join(name), text.as_bytes())))?;
-    screen.text(&format!("Written to {}: {} manual pages.", folder.display(), pages.len()))
+    screen.text(&format!("Wrote {1} manual pages to {0}.", folder.display(), pages.len()))
 }
 
 /// File name and text of a command's manual page.

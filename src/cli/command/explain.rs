@@ -14,12 +14,12 @@ use crate::problem::Problem;
 
 #[derive(Debug, Args)]
 pub(crate) struct ExplainArguments {
-    /// Plan, as `calipose plan` wrote it
+    /// plan.json of the plan, as `calipose plan` wrote it
     plan: PathBuf,
-    /// Problem file [default: the one that run.json beside the plan names]
+    /// Problem file [default: the one named in run.json beside the plan]
     #[arg(long)]
     problem: Option<PathBuf>,
-    /// Greatest number of poses on the curve [default: twice the plan's]
+    /// Greatest number of poses on the curve [default: twice the plan's number]
     #[arg(long, value_parser = number_of(false))]
     most: Option<usize>,
     /// Number of spares for each pose
@@ -64,13 +64,15 @@ fn text(problem: &Problem, explanation: &Explanation) -> String {
             or_dash(explanation.map_error_px),
         ),
         format!(
-            "What other numbers of poses would give, by the best sets found; none can surpass the bound:\n\n{}",
+            "What other numbers of poses would give, by the best sets found; no set can exceed the bound:\n\n{}",
             curve_table(explanation)
         ),
-        format!("What each pose pins down, and what is lost without it:\n\n{}", pose_table(&explanation.poses)),
+        format!("What each pose contributes, and what is lost without it:\n\n{}", pose_table(&explanation.poses)),
     ];
     let open = explanation.poses.iter().filter(|pose| !pose.leaves_open.is_empty());
-    let open = open.map(|pose| format!("Without pose {} this stays open: {}.", pose.id, words(&pose.leaves_open)));
+    let open = open.map(|pose| {
+        format!("Without pose {} this combination is undetermined: {}.", pose.id, words(&pose.leaves_open))
+    });
     sections.push(open.collect::<Vec<_>>().join("\n"));
     if explanation.poses.iter().any(|pose| !pose.spares.is_empty()) {
         sections.push(format!("What could take each pose's place:\n\n{}", spare_table(problem, &explanation.poses)));
@@ -78,7 +80,7 @@ fn text(problem: &Problem, explanation: &Explanation) -> String {
     let least = &explanation.least_known;
     let size = match (least.sigma, least.moves_image_px) {
         (Some(sigma), Some(moves)) => format!(
-            "1 sigma of it is {} such units; together the changes move the image by {} px.",
+            "Its standard deviation is {} such units; a change by this much moves the image by {} px.",
             short(sigma),
             short(moves)
         ),
@@ -121,7 +123,7 @@ fn pose_table(poses: &[PoseExplanation]) -> String {
         ]
     };
     let rows: Vec<Vec<String>> = poses.iter().map(row).collect();
-    table(&["pose", "loss [%]", "map error [px]", "suffers most", "sigma", "without it"], &rows)
+    table(&["pose", "loss [%]", "map error [px]", "most affected", "sigma", "without it"], &rows)
 }
 
 fn spare_table(problem: &Problem, poses: &[PoseExplanation]) -> String {

@@ -23,8 +23,8 @@ pub(crate) fn run(file: Option<&Path>, urdf: Option<&Path>, screen: &mut Screen)
     writing(|| write_atomically(file, text.as_bytes()))?;
     screen.document(&InitDocument::new(file))?;
     let edit =
-        if urdf.is_some() { "Check its lines that say GUESS, replace those that say FILL IN" } else { "Edit it" };
-    screen.text(&format!("Written {0}. {edit}, then:\n  calipose check {0}\n  calipose plan {0}", file.display()))
+        if urdf.is_some() { "Check the lines that say GUESS, replace those that say FILL IN" } else { "Edit it" };
+    screen.text(&format!("Wrote {0}. {edit}, then run:\n  calipose check {0}\n  calipose plan {0}", file.display()))
 }
 
 /// Prints the JSON Schema of the documents of that name, or of problem files.

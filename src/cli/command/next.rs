@@ -23,26 +23,26 @@ const MORE_THAN_EXPECTED: f64 = 2.0;
 
 #[derive(Debug, Args)]
 pub(crate) struct NextArguments {
-    /// Plan, as `calipose plan` wrote it
+    /// plan.json of the plan, as `calipose plan` wrote it
     plan: PathBuf,
-    /// Detected corners of the views taken so far: mrcal's vnl, or calipose's JSON
+    /// File of corners detected in the views taken so far: mrcal's vnl, or calipose's JSON
     observations: PathBuf,
-    /// Problem file [default: the one that run.json beside the plan names]
+    /// Problem file [default: the one named in run.json beside the plan]
     #[arg(long)]
     problem: Option<PathBuf>,
     /// Number of poses to propose
     #[arg(long, short = 'k', default_value_t = 1, conflicts_with = "map_error")]
     count: usize,
-    /// Propose as few poses as bring the expected map error down to this, in px
+    /// Propose the fewest poses that bring the expected map error down to this, in px
     #[arg(long = "map-error-px", value_name = "PX")]
     map_error: Option<f64>,
-    /// Propose new views only, none that shows the board where one of those taken does
+    /// Leave out poses that would show the board where a view already taken does
     #[arg(long)]
     new: bool,
-    /// Take the images with such a name only, `*` for any text, as in '*cam0*'
+    /// Use only images whose names match, with `*` for any text, as in '*cam0*'
     #[arg(long, value_name = "PATTERN")]
     images: Option<String>,
-    /// Most poses to propose for --map-error-px
+    /// Maximum number of poses to propose for --map-error-px
     #[arg(long, default_value_t = 30)]
     most: usize,
 }
@@ -102,20 +102,20 @@ pub(crate) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<Verd
     let rows: Vec<Vec<String>> =
         (0..names.len()).map(|i| vec![names[i].clone(), short(values[i]), short(sigma[i])]).collect();
     let known = format!(
-        "{}: {} views taken.\n\n{}\n\nMap error {} px by what they tell.",
+        "{}: {} views taken.\n\n{}\n\nMap error after these views: {} px.",
         plan.problem.name,
         detections.names.len(),
         table(&["intrinsic", "estimate", "sigma"], &rows),
         short(proposal.known),
     );
     if proposal.poses.is_empty() {
-        screen.text(&format!("{known} That is enough; no more poses are needed."))?;
+        screen.text(&format!("{known} This is enough; no more poses are needed."))?;
         return Ok(Verdict::Good);
     }
     let mut text = format!(
-        "{known}\n{} more, taken next, {} it to {} px:\n\n{}",
+        "{known}\n{} more {} it to {} px:\n\n{}",
         proposal.poses.len(),
-        if proposal.poses.len() == 1 { "brings" } else { "bring" },
+        if proposal.poses.len() == 1 { "pose brings" } else { "poses bring" },
         short(proposal.expected),
         pose_table(&problem, &proposal.poses),
     );
@@ -137,20 +137,20 @@ pub(crate) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<Verd
 /// What the simulation adds to the expectation.
 fn simulated(proposal: &Proposal) -> String {
     let Some(simulated) = proposal.rehearsal else {
-        return "\nThe views taken tell too little to simulate what the next ones bring; take them, and ask again."
+        return "\nThe views taken so far are too few to simulate what the next ones bring; take these, and run `next` again."
             .into();
     };
     let (median, most) = (short(simulated.median), short(simulated.percentile_90));
     let mut text = format!(
-        "\nIn simulated calibrations, with cameras drawn from what is known, it is {median} px at the median and \
-         below {most} px in nine of ten."
+        "\nIn simulated calibrations, with cameras drawn from what is known, its median is {median} px, and it is below \
+         {most} px in nine of ten."
     );
     if simulated.failed > 0 {
-        text += &format!(" {} of {} gave no camera.", simulated.failed, simulated.trials);
+        text += &format!(" {} of {} calibrations failed.", simulated.failed, simulated.trials);
     }
     if simulated.percentile_90 > MORE_THAN_EXPECTED * proposal.expected {
-        text += " So little is known yet that the expectation above, linearised about the camera found so far, promises too much: \
-                 take these, and ask again.";
+        text += " So little is known yet that the expectation above, linearised about the camera found so far, is too optimistic: \
+                 take these poses, and run `next` again.";
     }
     text
 }
@@ -166,7 +166,7 @@ fn repeated(repeats: &[Option<String>]) -> String {
         (some, all) => format!("{some} of these {all} repeat views"),
     };
     format!(
-        "\n{which} taken already ({}): one more picture there averages noise, no more. --new leaves such poses out.",
+        "\n{which} taken already ({}): another picture there only averages noise. --new leaves such poses out.",
         names.join(", "),
     )
 }

@@ -32,7 +32,7 @@ pub(crate) struct PlanArguments {
     /// Number of poses [default: the file's]
     #[arg(long, short = 'k')]
     count: Option<String>,
-    /// How to choose [default: the file's]
+    /// How to choose the poses [default: the file's]
     #[arg(long, value_parser = method())]
     method: Option<String>,
     /// Folder for the plan [default: the file's]
@@ -44,7 +44,7 @@ pub(crate) struct PlanArguments {
     /// Number of simulated calibrations that check the plan; 0 for none
     #[arg(long, default_value_t = 100, value_parser = trials())]
     trials: usize,
-    /// Write all views that were chosen from too
+    /// Also write all views that the poses were chosen from
     #[arg(long, value_name = "FORMAT")]
     views: Option<TableFormat>,
 }
@@ -104,7 +104,7 @@ pub(crate) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<Verd
             if removed.is_empty() {
                 String::new()
             } else {
-                format!("\nRemoved, as of the plan before: {}.", removed.join(", "))
+                format!("\nRemoved, because made from the previous plan: {}.", removed.join(", "))
             },
         ))?;
     }
@@ -206,13 +206,16 @@ fn summary(problem: &Problem, survey: &Survey, chooser: &Chooser, plan: &Plan) -
         .rejected
         .iter()
         .filter(|&(_, &count)| count > 0)
-        .map(|(reason, &count)| format!("{} {}", grouped(count), reason.replace('_', " ")))
+        .map(|(reason, &count)| format!("{} {}", reason.replace('_', " "), grouped(count)))
         .collect();
     if counts.refined > 0 {
-        text += &format!("Among these are views of {} more, tried around picked poses.\n", grouped(counts.refined));
+        text += &format!(
+            "These include views among {} more configurations, tried around picked poses.\n",
+            grouped(counts.refined)
+        );
     }
     if !rejected.is_empty() {
-        text += &format!("Rejected: {}.\n", rejected.join(", "));
+        text += &format!("Candidates rejected, by reason: {}.\n", rejected.join(", "));
     }
     text += &format!("\n{}\n\n", outcome(plan));
     text += &pose_table(problem, &plan.poses);
@@ -234,7 +237,7 @@ fn summary(problem: &Problem, survey: &Survey, chooser: &Chooser, plan: &Plan) -
         grouped(survey.views.len()),
         of(0),
         of(1),
-        if problem.constraints.allow_all() { "" } else { "; constraints aside" },
+        if problem.constraints.allow_all() { "" } else { "; without the constraints" },
     );
     Ok(text)
 }

@@ -16,12 +16,12 @@ use crate::plan::results::{add_results, probe};
 
 #[derive(Debug, Args)]
 pub(crate) struct PolishArguments {
-    /// Plan, as `calipose plan` wrote it
+    /// plan.json of the plan, as `calipose plan` wrote it
     plan: PathBuf,
-    /// Problem file [default: the one that run.json beside the plan names]
+    /// Problem file [default: the one named in run.json beside the plan]
     #[arg(long)]
     problem: Option<PathBuf>,
-    /// Most cycles over all poses
+    /// Maximum number of cycles over all poses
     #[arg(long, default_value_t = PolishSettings::default().cycles)]
     cycles: usize,
 }
@@ -54,12 +54,12 @@ pub(crate) fn run(arguments: &PolishArguments, screen: &mut Screen) -> Result<()
     writing(|| add_results(&arguments.plan, text.as_bytes(), None, &files))?;
 
     screen.document(&found)?;
-    let end = if found.converged { "" } else { ", where the limit ended them" };
+    let end = if found.converged { "" } else { ", which is the limit" };
     screen.text(&format!(
         "{}: {} poses polished in {} cycles{end}.\n\n\
          Criterion `{}`: value {} on the grid, {} off it: {:.2} % more information.\n\
          Map error: {} px on the grid, {} px off it.\n\
-         Of the grid's bound {} the plan reached {:.4}, the polished poses {:.4}: {}.\n\n{}\n\n{}\
+         Share of the grid's bound {}: {:.4} by the plan, {:.4} by the polished poses; {}.\n\n{}\n\n{}\
          Written to {}: polished.json, polished.csv.",
         found.problem.name,
         found.count,

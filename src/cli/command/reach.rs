@@ -44,7 +44,7 @@ pub(crate) struct ReachArguments {
         allow_hyphen_values = true
     )]
     quaternion: Option<[f64; 4]>,
-    /// Look at the board's centre from so many mm
+    /// Distance from the board's centre, in mm; the camera looks at the centre
     #[arg(long = "distance-mm", value_name = "MM")]
     distance: Option<f64>,
     /// With --distance-mm: angle off the board's normal, in degrees
@@ -59,7 +59,7 @@ pub(crate) struct ReachArguments {
         allow_hyphen_values = true
     )]
     azimuth: f64,
-    /// With --distance-mm: turn of the camera about its optical axis, in degrees
+    /// With --distance-mm: rotation of the camera about its optical axis, in degrees
     #[arg(
         long = "roll-deg",
         value_name = "DEG",
@@ -68,7 +68,7 @@ pub(crate) struct ReachArguments {
         allow_hyphen_values = true
     )]
     roll: f64,
-    /// Most configurations to show
+    /// Maximum number of configurations to show
     #[arg(long, short = 'n', default_value_t = 5, value_parser = number_of(false))]
     count: usize,
 }
@@ -79,7 +79,7 @@ fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
         text.split(',').map(|word| word.trim().parse().ok().filter(|number: &f64| number.is_finite())).collect();
     numbers
         .and_then(|numbers| numbers.try_into().ok())
-        .ok_or_else(|| format!("must be {N} numbers with commas between them"))
+        .ok_or_else(|| format!("must be {N} numbers separated by commas"))
 }
 
 impl ReachArguments {
@@ -135,8 +135,8 @@ pub(crate) fn run(arguments: &ReachArguments, screen: &mut Screen) -> Result<(),
     screen.document(&ReachDocument::new(&problem, &requested, &found, &in_the_way))?;
     let verdict = match (reached, found.len()) {
         (true, 1) => "one configuration takes the pose".to_owned(),
-        (true, n) => format!("{n} configurations that take the pose, those farthest from joint limits first"),
-        (false, _) => "nothing found takes the pose; the nearest".to_owned(),
+        (true, n) => format!("{n} configurations take the pose; those farthest from joint limits first"),
+        (false, _) => "no configuration found takes the pose; the nearest".to_owned(),
     };
     screen.text(&format!("{}: {verdict}:\n\n{}", problem.name, configurations(&problem, &found, &in_the_way)))?;
     match &found[..] {

@@ -16,7 +16,7 @@ use crate::sweep::sweep;
 pub(crate) struct SweepArguments {
     #[command(flatten)]
     problem: ProblemArguments,
-    /// Steps to sweep with, in degrees, each for all revolute joints [default: those with published counts, else the
+    /// Steps in degrees, each for all revolute joints, one sweep per step [default: those with published counts, else the
     /// file's]
     #[arg(long, short, value_delimiter = ',', allow_hyphen_values = true)]
     step: Vec<String>,

@@ -15,9 +15,9 @@ use crate::verification::{Disturbance, Judgement, MonteCarlo};
 
 #[derive(Debug, Args)]
 pub(crate) struct VerifyArguments {
-    /// Plan, as `calipose plan` wrote it
+    /// plan.json of the plan, as `calipose plan` wrote it
     plan: PathBuf,
-    /// Problem file [default: the one that run.json beside the plan names]
+    /// Problem file [default: the one named in run.json beside the plan]
     #[arg(long)]
     problem: Option<PathBuf>,
     /// Number of simulated calibrations
@@ -34,10 +34,10 @@ pub(crate) struct VerifyArguments {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "What the prediction leaves out")]
 struct DisturbanceArguments {
-    /// Nominal focal lengths and principal point off by this many percent (one standard deviation)
+    /// Standard deviation of the error of the nominal focal lengths and principal point, in percent
     #[arg(long, default_value_t = 0.0, value_name = "PERCENT")]
     intrinsics_off: f64,
-    /// Standard deviation of every revolute joint, in degrees
+    /// Standard deviation of the error of every revolute joint, in degrees
     #[arg(long, default_value_t = 0.0, value_name = "DEG")]
     joint_noise: f64,
     /// Error of the camera mount's orientation, in degrees about each axis
@@ -46,13 +46,13 @@ struct DisturbanceArguments {
     /// Error of the camera mount's position, in mm along each axis
     #[arg(long, default_value_t = 0.0, value_name = "MM")]
     mount_translation: f64,
-    /// Noise grows by this factor times (1/cos(tilt) - 1)
+    /// Growth of the noise with tilt: by this factor times (1/cos(tilt) - 1)
     #[arg(long, default_value_t = 0.0, value_name = "FACTOR")]
     noise_with_tilt: f64,
-    /// Noise grows by this factor times (distance / nearest view's distance - 1)
+    /// Growth of the noise with distance: by this factor times (distance / distance of the nearest view - 1)
     #[arg(long, default_value_t = 0.0, value_name = "FACTOR")]
     noise_with_distance: f64,
-    /// Share of the corners that go undetected, in percent
+    /// Share of the corners that are not detected, in percent
     #[arg(long, default_value_t = 0.0, value_name = "PERCENT")]
     missing: f64,
 }

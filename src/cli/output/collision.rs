@@ -13,8 +13,8 @@ pub(crate) fn tested_text(problem: &Problem, document: &CollisionDocument) -> St
     if !tested {
         let reason = match (!problem.robot.has_bodies(), scene.is_empty()) {
             (true, true) => {
-                "no bodies): poses may drive the arm into itself, the board or what stands around it. Add bodies \
-                             to the robot, and the cell as [[scene.bodies]]"
+                "no bodies): poses may drive the arm into itself, the board or its surroundings. Add bodies to the \
+                             robot, and the cell as [[scene.bodies]]"
                     .to_owned()
             }
             (true, false) => {
@@ -28,14 +28,15 @@ pub(crate) fn tested_text(problem: &Problem, document: &CollisionDocument) -> St
     let clearance = short(clearance_m * 1e3);
     let mut text = format!("Collision: links tested against each other{against}, clearance {clearance} mm.");
     if scene.is_empty() {
-        text += " The cell is NOT modelled: add [[scene.bodies]] for table, walls and fixtures.";
+        text += " The cell is NOT modelled: add [[scene.bodies]] for the table, walls and fixtures.";
     }
     if !always_in_contact.is_empty() {
         let pairs: Vec<String> = always_in_contact.iter().map(|[a, b]| format!("{a}–{b}")).collect();
         text += &format!(" NOT tested, because always in contact: {}; check their bodies.", pairs.join(", "));
     }
     if !joints_without_bodies.is_empty() {
-        text += &format!(" Without bodies, so NOT tested: what moves with {}.", joints_without_bodies.join(", "));
+        text +=
+            &format!(" NOT tested, because without bodies: the parts moved by {}.", joints_without_bodies.join(", "));
     }
     text
 }
@@ -54,7 +55,7 @@ pub(crate) fn close_text(problem: &Problem, links: &LinkPairs) -> String {
         return String::new();
     }
     format!(
-        "No pose is likely to pass: within the clearance of {} mm in every one of 1000 random configurations are\n{}",
+        "Hardly any configuration can pass. These links are within the clearance of {} mm in every one of 1000 random configurations:\n{}",
         short(problem.clearance * 1e3),
         remedies.join("\n")
     )
@@ -71,7 +72,7 @@ pub(crate) fn contacts_text(contacts: &[Contact]) -> String {
         .collect();
     if !always.is_empty() {
         return format!(
-            "within the clearance in all {of} of the colliding candidates looked at are\n{}",
+            "these links are within the clearance in all {of} colliding candidates that were examined:\n{}",
             always.join("\n")
         );
     }
@@ -80,7 +81,7 @@ pub(crate) fn contacts_text(contacts: &[Contact]) -> String {
         .take(MOST)
         .map(|Contact { links: [a, b], count, .. }| format!("{a}–{b} ({:.0} %)", 100.0 * *count as f64 / of as f64))
         .collect();
-    format!("most often in each other's way are {}; check the sizes and poses of their bodies", pairs.join(", "))
+    format!("the pairs that collide most often are {}; check the sizes and poses of their bodies", pairs.join(", "))
 }
 
 /// Two links that are always so near (m), and what to do.

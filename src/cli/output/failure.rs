@@ -45,16 +45,16 @@ pub(crate) enum Failure {
     },
     #[error("cannot use the plan {}: {reason}", path.display())]
     PlanFile { path: PathBuf, reason: String },
-    #[error("the plan {} and files beside it are not of one run: {} {} otherwise than {RUN_FILE} says", path.display(),
-        files.join(", "), if files.len() == 1 { "is" } else { "are" })]
+    #[error("the plan {} and the files beside it are not from one run: {} {} not match {RUN_FILE}", path.display(),
+        files.join(", "), if files.len() == 1 { "does" } else { "do" })]
     #[diagnostic(help(
-        "a run was ended while it wrote, or a file was changed; make the plan again (or polish it again), or take the plan alone \
-         into another folder and name its problem file with --problem"
+        "a run was ended while it wrote, or a file was changed; make the plan again (or polish it again), or move the plan alone \
+         to another folder and name its problem file with --problem"
     ))]
     Mixed { path: PathBuf, files: Vec<String> },
     #[error("{} is the plan of {theirs}, not of {ours}", path.display())]
     #[diagnostic(help(
-        "give the problem another `name`, take another folder with --output, or replace the plan with --force"
+        "give the problem another `name`, choose another folder with --output, or replace the plan with --force"
     ))]
     OtherPlan { path: PathBuf, theirs: String, ours: String },
     #[error("the plan {} does not hold: {error}", path.display())]
@@ -73,7 +73,7 @@ pub(crate) enum Failure {
     #[diagnostic(help("{}", draft_help(error)))]
     Draft { path: PathBuf, error: DraftError },
     #[error("{} exists already", .0.display())]
-    #[diagnostic(help("give another name, or remove the file first"))]
+    #[diagnostic(help("choose another name, or remove the file first"))]
     Exists(PathBuf),
     #[error("the run would take {needed} of memory; this machine has {total}")]
     #[diagnostic(help("{remedy}"))]
@@ -144,12 +144,12 @@ fn unreached_help(joints: usize) -> String {
             "an arm with {joints} joints takes few poses exactly; the configuration shown is the best approximation found"
         )
     } else {
-        "the configuration shown is the best approximation found; ask for a pose nearer to the arm".into()
+        "the configuration shown is the best approximation found; request a pose nearer to the arm".into()
     }
 }
 
 fn file_help(error: &FileError) -> String {
-    let advice = "check that the folder exists, is writable and has room";
+    let advice = "check that the folder exists, is writable and has space";
     if error.done.is_empty() {
         return format!("{advice}; nothing was overwritten");
     }
@@ -171,21 +171,21 @@ fn plan_help(error: &PlanError) -> String {
         }
         PlanError::Survey(SurveyError::PoseUndetermined { .. }) => "use a board with more corners",
         PlanError::TooFewViews { .. } => {
-            "ask for fewer poses, sweep with a finer step, or loosen the limits of [visibility]"
+            "ask for fewer poses, sweep with a finer step, or relax the limits of [visibility]"
         }
-        PlanError::NoRoom { .. } => "lower the separations of [constraints], loosen its groups, or ask for fewer poses",
+        PlanError::NoRoom { .. } => "lower the separations of [constraints], relax its groups, or ask for fewer poses",
         PlanError::Unobservable { count, views, .. } if count == views => {
-            "more poses do not help, there are no other views: sweep with a finer step or loosen [visibility] for views that \
+            "more poses do not help, because there are no other views: sweep with a finer step or relax [visibility] for views that \
              differ more, state what is known in `estimate.prior_sigma`, or take a parameter of the combination out of [estimate]"
         }
         PlanError::Unobservable { .. } | PlanError::HardlyObservable { .. } => {
             "ask for more poses, or take a parameter of the combination out of [estimate]"
         }
         PlanError::Covariance => {
-            "the views taken leave a combination all but open; take more of the plan's poses first"
+            "the views taken hardly determine one combination of the intrinsics; take more of the plan's poses first"
         }
         PlanError::Constraints(ConstraintError::NotAView { .. }) => {
-            "take ids of plan.json or of the views' table (`--views csv`), made with the same [sweep] and [visibility]"
+            "take ids from plan.json or views.csv (`--views csv`), made with the same [sweep] and [visibility]"
         }
         PlanError::Constraints(ConstraintError::KeptOut { .. }) => {
             "take the pose out of `constraints.require`, or narrow the region"
@@ -194,14 +194,14 @@ fn plan_help(error: &PlanError) -> String {
             "correct the joint values in `constraints.captured`, or leave the view out"
         }
         PlanError::Inaccurate { .. } => {
-            "request less, sweep with a finer step, loosen [visibility] or [constraints], or lower the noise"
+            "request less accuracy, sweep with a finer step, relax [visibility] or [constraints], or lower the noise"
         }
         PlanError::Selection(
             SelectionError::Allowed { .. }
             | SelectionError::RequiredAndForbidden { .. }
             | SelectionError::RequiredAboveCap { .. }
             | SelectionError::RequiredTooClose { .. },
-        ) => "loosen [constraints], or ask for another number of poses",
+        ) => "relax [constraints], or ask for another number of poses",
         PlanError::Selection(_) | PlanError::Clustering(_) => "this is probably a bug; please report it",
     };
     help.into()
@@ -209,8 +209,8 @@ fn plan_help(error: &PlanError) -> String {
 
 fn draft_help(error: &DraftError) -> &'static str {
     match error {
-        DraftError::File(FileReadError::Robot(error)) if !error.is_of_another_file() => "correct the file in that line",
-        DraftError::File(_) => "--urdf takes the robot's URDF file, expanded if it is xacro",
+        DraftError::File(FileReadError::Robot(error)) if !error.is_of_another_file() => "correct the file at that line",
+        DraftError::File(_) => "--urdf takes the robot's URDF file; expand a xacro file first",
         DraftError::Still => "all joints of the URDF are fixed; name the file of the whole robot",
     }
 }
@@ -223,11 +223,13 @@ fn observations_help(error: &FileReadError) -> &'static str {
         ReadFault::NotStated { what: "board" } => "give --board 8x6 --square-mm 35, or --problem FILE",
         ReadFault::NotStated { .. } => "give --image 1280x720, or --problem FILE",
         ReadFault::CornerCount { .. } => {
-            "columns and rows are the board's inner corners; undetected ones are listed too, as - or null"
+            "columns and rows count the board's inner corners; list undetected ones too, as - or null"
         }
-        ReadFault::Cameras { .. } => "choose the images of one with --images, as in --images '*cam0*'; '*' takes all",
+        ReadFault::Cameras { .. } => {
+            "choose the images of one camera with --images, as in --images '*cam0*'; '*' takes all"
+        }
         ReadFault::NoImage { .. } => "`*` stands for any text and `?` for one character; quote the pattern",
-        ReadFault::Mismatch { .. } => "take the options away, or correct the file",
+        ReadFault::Mismatch { .. } => "leave the options out, or correct the file",
         _ => "the book's page \"Calibration\" describes both formats",
     }
 }
@@ -241,7 +243,7 @@ fn calibration_help(error: &CalibrationError, names: &[String], fits: Option<(&'
         known[..known.len().min(MOST_NAMED)].join(", ") + &end
     };
     let other = fits.map(|(lens, rms)| {
-        format!("the lens {lens} fits these corners, with an RMS of {} px: take `--lens {lens}`", short(rms))
+        format!("the lens {lens} fits these corners, with an RMS of {} px: use `--lens {lens}`", short(rms))
     });
     match error {
         E::FoldedLens { lens, view, .. } => {
@@ -260,7 +262,7 @@ fn calibration_help(error: &CalibrationError, names: &[String], fits: Option<(&'
             format!("give --board {rows}x{columns}, and swap columns and rows in the {others}")
         }
         E::SwappedOrder { views, columns, .. } => format!(
-            "list the corners of {} along the board's rows of {columns} as in the other views, or leave them out",
+            "list the corners of {} along the board's rows of {columns} as in the other views, or leave these views out",
             named(views)
         ),
         E::Disordered { views, .. } => {
@@ -285,7 +287,7 @@ fn calibration_help(error: &CalibrationError, names: &[String], fits: Option<(&'
             )
         }
         E::UnobservablePose | E::Camera(_) => other.unwrap_or_else(|| {
-            "add views, tilted differently and all over the image, or take a lens model with fewer parameters".into()
+            "add views, tilted differently and all over the image, or choose a lens model with fewer parameters".into()
         }),
     }
 }

@@ -14,7 +14,8 @@ pub(super) fn parse(text: &str) -> Result<Node, ReadError> {
         xml::parse(text).map_err(|error| ReadFault::Syntax { message: error.to_string() }.at(error.line()))?;
     let root = document.root_element();
     if root.tag_name().name() != "opencv_storage" {
-        let message = format!("the XML is of <{}>; OpenCV's is of <opencv_storage>", root.tag_name().name());
+        let message =
+            format!("the outermost element is <{}>; in OpenCV's XML it is <opencv_storage>", root.tag_name().name());
         return Err(ReadFault::Syntax { message }.at(line(root)));
     }
     node(root, 0)

@@ -3,13 +3,13 @@
 use crate::formats::error::{ReadError, ReadFault};
 use crate::formats::tree::Node;
 
-const UNIFIED: &str = "the unified omnidirectional model (Mei) is none of these: calibrate the camera as a fisheye, with \
+const UNIFIED: &str = "instead of the unified omnidirectional model (Mei), calibrate the camera as a fisheye, with \
                        `calipose calibrate --lens kannala-brandt`, Kalibr's pinhole-equi or cv2.fisheye";
-const DOUBLE_SPHERE: &str = "the double-sphere model is none of these: calibrate the camera as a fisheye, with `calipose calibrate \
+const DOUBLE_SPHERE: &str = "instead of the double-sphere model, calibrate the camera as a fisheye, with `calipose calibrate \
                              --lens kannala-brandt`, Kalibr's pinhole-equi or cv2.fisheye";
-const EXTENDED_UNIFIED: &str = "the extended unified model is none of these: calibrate the camera as a fisheye, with `calipose \
+const EXTENDED_UNIFIED: &str = "instead of the extended unified model, calibrate the camera as a fisheye, with `calipose \
                                 calibrate --lens kannala-brandt`, Kalibr's pinhole-equi or cv2.fisheye";
-const FIELD_OF_VIEW: &str = "the field-of-view model (Devernay, Faugeras) is none of these: calibrate the camera as a fisheye, with \
+const FIELD_OF_VIEW: &str = "instead of the field-of-view model (Devernay, Faugeras), calibrate the camera as a fisheye, with \
                              `calipose calibrate --lens kannala-brandt`, Kalibr's pinhole-equi or cv2.fisheye";
 pub(super) const THIN_PRISM: &str = "thin prisms and tilted sensors are not supported: calibrate without CALIB_THIN_PRISM_MODEL \
                                      and CALIB_TILTED_MODEL";
@@ -36,7 +36,7 @@ pub(super) fn videre(text: &str) -> Option<ReadError> {
     lines.any(|(_, line)| line == "camera matrix").then(|| {
         ReadFault::OtherFormat {
             what: "a ROS camera file in .ini format (Videre)",
-            instead: "turn it into YAML with `camera_calibration_parsers convert FILE.ini FILE.yaml`, or state the camera by \
+            instead: "convert it to YAML with `camera_calibration_parsers convert FILE.ini FILE.yaml`, or state the camera by \
                       width_px, height_px, fx_px, fy_px, cx_px and cy_px, and its distortion as k1 k2 p1 p2 k3 of \
                       \"brown-conrady\"",
         }
@@ -76,11 +76,11 @@ pub(super) fn file(root: &Node) -> Option<ReadError> {
 fn camodocal(model: &str) -> (&'static str, &'static str) {
     match model.to_lowercase().as_str() {
         "mei" => (
-            "a camodocal camera file (VINS) of the unified model of Mei",
+            "a camodocal camera file (VINS) with the unified model of Mei",
             "calibrate the camera with the model KANNALA_BRANDT, or with `calipose calibrate --lens kannala-brandt`",
         ),
         "scaramuzza" => (
-            "a camodocal camera file (VINS) of Scaramuzza's model",
+            "a camodocal camera file (VINS) with Scaramuzza's model",
             "calibrate the camera with the model KANNALA_BRANDT, or with `calipose calibrate --lens kannala-brandt`",
         ),
         "kannala_brandt" => (

@@ -64,7 +64,8 @@ fn table(text: &str, board: &Board) -> Result<Vec<ListedImage>, ReadError> {
                 }
             }
             (None, None) if !row.is_empty() && !row.starts_with('#') => {
-                let message = "no header before the first corner; it is `# filename x y level`".to_owned();
+                let message =
+                    "there is no header before the first corner; it must be `# filename x y level`".to_owned();
                 return Err(ReadFault::Syntax { message }.at(line));
             }
             _ => {}

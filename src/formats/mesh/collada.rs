@@ -117,7 +117,7 @@ impl<'a> Scene<'a> {
     fn count(&mut self, node: Node<'a, 'a>) -> Result<(), MeshError> {
         self.elements += 1;
         if self.elements > MOST_ELEMENTS {
-            let message = format!("the scene's instances come to more than {MOST_ELEMENTS} elements");
+            let message = format!("the instances of the scene have more than {MOST_ELEMENTS} elements in all");
             return Err(MeshError::at(line(node), message));
         }
         Ok(())
@@ -141,7 +141,7 @@ impl<'a> Scene<'a> {
                     let position = index.parse().ok().and_then(|index: usize| positions.get(index));
                     let unknown = || MeshError::at(line(p), format!("there is no vertex \"{index}\""));
                     if self.points.len() == MOST_CORNERS {
-                        let message = format!("the scene has more than {MOST_CORNERS} corners of faces");
+                        let message = format!("the faces of the scene have more than {MOST_CORNERS} corners");
                         return Err(MeshError::at(line(p), message));
                     }
                     self.points.push(X.transform_point(position.ok_or_else(unknown)?));
@@ -178,5 +178,7 @@ fn transform(node: Node<'_, '_>, name: &str) -> Result<Matrix4<f64>, MeshError> 
             .map(|axis| Rotation3::from_axis_angle(&axis, degrees.to_radians()).to_homogeneous()),
         _ => None,
     };
-    X.ok_or_else(|| MeshError::at(line(node), format!("<{name}> has {} numbers that make no transform", n.len())))
+    X.ok_or_else(|| {
+        MeshError::at(line(node), format!("<{name}> has {} numbers, which do not form a transform", n.len()))
+    })
 }

@@ -24,7 +24,7 @@ pub enum MeshError {
     #[error(transparent)]
     Disk(#[from] DiskError),
     /// The extension is of no format that is read.
-    #[error("the extension is \"{found}\"; STL, OBJ and DAE are read")]
+    #[error("the extension is \"{found}\"; supported are STL, OBJ and DAE")]
     Extension {
         /// The extension.
         found: String,
@@ -38,7 +38,7 @@ pub enum MeshError {
         message: String,
     },
     /// A binary STL has not as many bytes as its triangles take.
-    #[error("{triangles} triangles take {} bytes, the file has {bytes}", stl::size(*triangles))]
+    #[error("{triangles} triangles take {} bytes, but the file has {bytes}", stl::size(*triangles))]
     Size {
         /// Triangles that the header states.
         triangles: u32,
@@ -55,7 +55,7 @@ pub enum MeshError {
     #[error("this is a Git LFS pointer, not the mesh itself; fetch the mesh with `git lfs pull`")]
     LfsPointer,
     /// The vertices span no solid.
-    #[error("the mesh has {vertices} different vertices; a solid has at least 4")]
+    #[error("the mesh has {vertices} different vertices; a solid needs at least 4")]
     Flat {
         /// How many there are.
         vertices: usize,
@@ -219,17 +219,17 @@ mod tests {
             ]
             .join("\n"),
             @r#"
-        the extension is "ply"; STL, OBJ and DAE are read
-        the mesh has 0 different vertices; a solid has at least 4
+        the extension is "ply"; supported are STL, OBJ and DAE
+        the mesh has 0 different vertices; a solid needs at least 4
         this is a Git LFS pointer, not the mesh itself; fetch the mesh with `git lfs pull`
-        7 triangles take 434 bytes, the file has 84
+        7 triangles take 434 bytes, but the file has 84
         line 2: "x" is not a number
         line 2: a vertex has three coordinates
         line 2: there is no vertex "2" yet
         vertex 2 is not finite
-        the mesh has 2 different vertices; a solid has at least 4
+        the mesh has 2 different vertices; a solid needs at least 4
         line 2: expected 'a' tag, not 'COLLADA'
-        the mesh has 0 different vertices; a solid has at least 4
+        the mesh has 0 different vertices; a solid needs at least 4
         line 2: "y" is not a number
         "#
         );

@@ -28,7 +28,7 @@ pub enum UrdfFault {
         message: String,
     },
     /// The file still has to go through xacro.
-    #[error("`{found}` is xacro, not URDF; run `xacro FILE > robot.urdf` first and name its result")]
+    #[error("`{found}` is xacro, not URDF; run `xacro FILE > robot.urdf` first and name the result")]
     Xacro {
         /// The first sign of it.
         found: String,
@@ -62,7 +62,7 @@ pub enum UrdfFault {
     #[error("the name is empty")]
     Unnamed,
     /// A name occurs twice.
-    #[error("this name occurs before, in line {line}")]
+    #[error("this name is used already, at line {line}")]
     Repeated {
         /// Line of the first.
         line: usize,
@@ -97,7 +97,7 @@ pub enum UrdfFault {
         upper: f64,
     },
     /// A joint's limits and its soft limits have nothing in common.
-    #[error("the soft limits of the safety controller leave nothing of the limits: {lower} is above {upper}")]
+    #[error("the soft limits of the safety controller and the limits have no common range: {lower} is above {upper}")]
     SoftLimitsOutside {
         /// The greater of the lower limits, rad or m.
         lower: f64,
@@ -132,7 +132,7 @@ pub enum UrdfFault {
         name: String,
     },
     /// Joints mimic each other in a circle.
-    #[error("joints mimic each other in a circle: {}", joints.join(" → "))]
+    #[error("joints mimic each other in a cycle: {}", joints.join(" → "))]
     MimicLoop {
         /// The joints, the first again at the end.
         joints: Vec<String>,
@@ -144,13 +144,15 @@ pub enum UrdfFault {
         joints: [String; 2],
     },
     /// Links hang on each other in a circle.
-    #[error("links hang on each other in a loop: {}; a URDF is a tree", links.join(" → "))]
+    #[error("links form a loop: {}; a URDF is a tree", links.join(" → "))]
     Loop {
         /// The links from child to parent, the first again at the end.
         links: Vec<String>,
     },
     /// The links do not all hang together.
-    #[error("no joint has it as child, nor link \"{other}\" in line {line}; a robot has one such link, its root")]
+    #[error(
+        "no joint has it as child, and none has link \"{other}\" at line {line}; a robot has only one such link, its root"
+    )]
     TwoRoots {
         /// The other root.
         other: String,
@@ -171,9 +173,9 @@ pub enum UrdfFault {
     },
     /// A mesh is not found.
     #[error(
-        "mesh \"{filename}\" is not there; looked for {}. Name the folders of packages with `robot.package_folders`{}",
+        "mesh \"{filename}\" was not found; looked for {}. Name the folders of packages with `robot.package_folders`{}",
         paths(sought),
-        package.as_ref().map(|folder| format!("; {} is of that name", folder.display())).unwrap_or_default()
+        package.as_ref().map(|folder| format!("; {} has that name", folder.display())).unwrap_or_default()
     )]
     MeshNotFound {
         /// As the file names it.
@@ -185,7 +187,7 @@ pub enum UrdfFault {
     },
     /// A mesh lies elsewhere.
     #[error(
-        "mesh \"{filename}\" leaves the folders it may be in: {}. Add its folder to `robot.package_folders` if it is meant",
+        "mesh \"{filename}\" is outside the allowed folders: {}. If this is intended, add its folder to `robot.package_folders`",
         paths(folders)
     )]
     MeshOutside {
@@ -196,8 +198,8 @@ pub enum UrdfFault {
     },
     /// A mesh is a symbolic link that leads elsewhere, as in workspaces that are linked rather than copied.
     #[error(
-        "mesh \"{filename}\" leads through a symbolic link to {}, outside of the folders it may be in: {}. Add the folder that \
-         the link leads to, such as {}, to `robot.package_folders` if it is meant",
+        "mesh \"{filename}\" leads through a symbolic link to {}, outside the allowed folders: {}. If this is intended, add the \
+         folder that the link leads to, such as {}, to `robot.package_folders`",
         target.display(),
         paths(folders),
         target.parent().unwrap_or(target).display()
@@ -211,7 +213,7 @@ pub enum UrdfFault {
         folders: Vec<PathBuf>,
     },
     /// A mesh is named by something else than a file.
-    #[error("mesh \"{filename}\" is no file; use package://PACKAGE/PATH, file:///PATH, or a path beside this file")]
+    #[error("mesh \"{filename}\" is not a file; use package://PACKAGE/PATH, file:///PATH, or a path beside this file")]
     MeshAddress {
         /// As the file names it.
         filename: String,

@@ -48,10 +48,10 @@ impl fmt::Display for UrdfNote {
 impl fmt::Display for UrdfRemark {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            Self::EmptyCollision => f.write_str("the <collision> has no shape; left out"),
-            Self::EmptyShape { shape } => write!(f, "the <{shape}> has no extent; left out"),
+            Self::EmptyCollision => f.write_str("the <collision> has no shape and is left out"),
+            Self::EmptyShape { shape } => write!(f, "the <{shape}> has no extent and is left out"),
             Self::AxisNormalised { length } => {
-                write!(f, "the axis has length {}; taken with length 1", (length * 1e6).round() / 1e6)
+                write!(f, "the axis has length {} and is normalised", (length * 1e6).round() / 1e6)
             }
             Self::UnknownLink { name } => write!(f, "there is no link \"{name}\"; its pairs are left out"),
         }

@@ -27,7 +27,7 @@ pub enum LocateError {
         id: usize,
     },
     /// A pose is in the plan twice.
-    #[error("its pose {id} is in it twice")]
+    #[error("its pose {id} occurs twice")]
     Twice {
         /// The pose's id.
         id: usize,
@@ -52,14 +52,15 @@ pub enum LocateError {
     #[error("it was made for another nominal camera; make a new plan")]
     Camera,
     /// There are no poses, or of another robot.
-    #[error("its poses do not have the robot's {dof} joint values")]
+    #[error("its poses do not have {dof} joint values, as the robot has joints")]
     JointValues {
         /// Number of the robot's joints.
         dof: usize,
     },
     /// A robot's description that the problem file names may have changed, too.
     #[error(
-        "the joint values of its pose {id} lead elsewhere than it says: the robot was changed, or the plan; make a new plan"
+        "the joint values of its pose {id} lead to another camera pose than the plan says: the robot or the plan was changed; make a \
+         new plan"
     )]
     Elsewhere {
         /// The pose's id.

@@ -25,7 +25,7 @@ pub enum PlanError {
         views: usize,
     },
     /// The poses leave some combination of the intrinsics undetermined.
-    #[error("{} cannot determine all intrinsics; left open: {}", describe_tried(*count, *views), describe(combination))]
+    #[error("{} cannot determine all intrinsics; undetermined: {}", describe_tried(*count, *views), describe(combination))]
     Unobservable {
         /// Poses tried.
         count: usize,
@@ -36,8 +36,8 @@ pub enum PlanError {
     },
     /// The poses found leave some combination of the intrinsics all but undetermined, where others might tell far more.
     #[error(
-        "the set found, of size {count}, gives less than {:e} of the information that the certificate's bound allows; it all \
-             but leaves open: {}",
+        "the set found, of size {count}, gives less than {:e} of the information that the certificate's bound allows; it \
+             hardly determines: {}",
         Self::LEAST_EFFICIENCY,
         describe(combination)
     )]
@@ -91,7 +91,7 @@ fn describe_room(count: usize, found: usize, at_most: usize) -> String {
     if at_most >= count {
         format!(
             "no {count} poses that [constraints] allow together were found; the most found are {found}, and it is not \
-             proven that there are no more"
+             proven that more are impossible"
         )
     } else if at_most == found {
         format!("[constraints] allow at most {found} poses together, which is proven; {count} are asked for")
@@ -126,16 +126,16 @@ fn describe(combination: &[(String, f64)]) -> String {
 
 fn describe_reach(count: usize, bound: f64) -> String {
     if bound < 1.0 {
-        format!("not even {count} poses, all that may be chosen, reach the accuracy requested")
+        format!("not even {count} poses, all that may be chosen, reach the requested accuracy")
     } else {
-        format!("no set of poses was found that reaches the accuracy requested; with the best, {count} poses")
+        format!("no set of poses was found that reaches the requested accuracy; with the best one, of {count} poses")
     }
 }
 
 fn describe_shortfalls(shortfalls: &[Reached]) -> String {
     let each = shortfalls.iter().map(|Reached { name, requested, reached }| {
         let what = if name == Accuracy::MAP_ERROR { "the map error in px".into() } else { format!("sigma of {name}") };
-        format!("{what} is {reached:.4} where {requested} is requested")
+        format!("{what} is {reached:.4}, but {requested} is requested")
     });
     each.collect::<Vec<_>>().join(", ")
 }

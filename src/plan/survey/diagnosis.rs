@@ -1,4 +1,5 @@
-//! Why a problem has no views, or few: what stands in their way, the nearest miss, what to change, and what the numbers smell of.
+//! Why a problem has no views, or few: the test that rejects most configurations, the nearest miss, what to change, and numbers
+//! that look wrong.
 
 use std::fmt;
 
@@ -7,6 +8,7 @@ use rayon::prelude::*;
 
 use super::smell::{Smell, smells};
 use crate::feasibility::{Measures, Occlusion, Rejection, Sighting, VisibilityTest};
+use crate::figures::grouped;
 use crate::problem::Problem;
 use crate::spatial::Pose;
 use crate::sweep::AxisRule;
@@ -247,6 +249,11 @@ impl Miss {
         }
     }
 
+    /// Whether the robot or an obstacle is the cause, for which only configurations that see the board are tested.
+    fn is_of_robot(&self) -> bool {
+        matches!(self, Miss::Unstable(..) | Miss::Collision(..) | Miss::Occluded(_))
+    }
+
     /// What to change.
     pub fn advice(&self) -> &'static str {
         match self {
@@ -264,21 +271,21 @@ impl Miss {
                 "raise `visibility.max_incidence_deg`, or turn the board towards the camera with `target.pose`"
             }
             Miss::Tilt(..) => {
-                "raise `visibility.max_tilt_deg`, or turn the board against the camera with `target.pose`"
+                "raise `visibility.max_tilt_deg`, or turn the board towards the camera with `target.pose`"
             }
             Miss::BeyondLens(_) => {
                 "the camera looks past the board: correct `camera.mount` or `target.pose`, or widen the joint limits"
             }
             Miss::OutsideImage(_) => {
-                "take a smaller board, let it be farther away (`visibility.max_distance_mm`), or state with \
+                "use a smaller board, let it be farther away (`visibility.max_distance_mm`), or state with \
                  `visibility.min_corners` that it can be read in part"
             }
             Miss::Spacing(..) => {
-                "lower `visibility.min_corner_spacing_px`, take larger squares, or bring the board nearer with `target.pose`"
+                "lower `visibility.min_corner_spacing_px`, use larger squares, or bring the board nearer with `target.pose`"
             }
             Miss::Unstable(..) => "lower `stability.margin_mm`, or correct the masses and `stability.support_mm`",
             Miss::Collision(..) => {
-                "make the bodies of these links smaller, lower `collision.clearance_mm`, or leave the pair out with \
+                "make the bodies of these links smaller, lower `collision.clearance_mm`, or exclude the pair with \
                  `collision.ignore`"
             }
             Miss::Occluded(_) => {
@@ -296,7 +303,11 @@ impl fmt::Display for Miss {
         let deg = |angle: &f64| format!("{}°", rounded(angle.to_degrees()));
         match self {
             Miss::Axis(beside) if beside.is_finite() => {
-                write!(f, "the optical axis that comes nearest passes the target's zone {} beside it", mm(beside))
+                write!(
+                    f,
+                    "the optical axis that comes nearest passes the target's zone at a distance of {}",
+                    mm(beside)
+                )
             }
             Miss::Axis(_) => f.write_str("the optical axis never meets the board's plane in front of the camera"),
             Miss::BackSide(angle) => {
@@ -305,7 +316,7 @@ impl fmt::Display for Miss {
                     "the camera that comes nearest to the printed side is {} off the board's normal",
                     deg(angle)
                 )?;
-                f.write_str("; from 90° on it is behind the board")
+                f.write_str("; at 90° or more it is behind the board")
             }
             Miss::TooFar(distance, most) => {
                 write!(
@@ -325,25 +336,37 @@ impl fmt::Display for Miss {
             }
             Miss::Incidence(angle, most) => {
                 let most = rounded(most.to_degrees());
-                write!(f, "the steepest view is {} off the board's normal; max_incidence_deg is {most}", deg(angle))
+                write!(
+                    f,
+                    "the camera nearest to the board's normal is {} off it; max_incidence_deg is {most}",
+                    deg(angle)
+                )
             }
             Miss::Tilt(angle, most) => {
                 let most = rounded(most.to_degrees());
-                write!(f, "the least tilt is {} between optical axis and board; max_tilt_deg is {most}", deg(angle))
+                write!(
+                    f,
+                    "the smallest angle between the optical axis and the board's normal is {}; max_tilt_deg is {most}",
+                    deg(angle)
+                )
             }
             Miss::BeyondLens(angle) => {
-                write!(f, "the camera that looks at the board best has its centre {} off the optical axis", deg(angle))
+                write!(
+                    f,
+                    "the camera that points best at the board has the board's centre {} off its optical axis",
+                    deg(angle)
+                )
             }
             Miss::OutsideImage(beyond) => {
                 write!(
                     f,
-                    "in the view that comes nearest a corner is {} px outside the image or its margin",
+                    "in the configuration that comes nearest, a corner is {} px outside the image or its margin",
                     rounded(*beyond)
                 )
             }
             Miss::Spacing(spacing, least) => {
                 let (spacing, least) = (rounded(*spacing), rounded(*least));
-                write!(f, "the corners are {spacing} px apart at most; min_corner_spacing_px is {least}")
+                write!(f, "neighbouring corners are at most {spacing} px apart; min_corner_spacing_px is {least}")
             }
             Miss::Unstable(Some(margin), least) => {
                 write!(f, "the greatest tip-over margin is {}; margin_mm is {}", mm(margin), rounded(least * 1e3))
@@ -352,13 +375,13 @@ impl fmt::Display for Miss {
             Miss::Collision(_, [a, b], gap, clearance) => {
                 let clearance = rounded(clearance * 1e3);
                 if *gap > 0.0 {
-                    write!(f, "links {a} and {b} are {} apart at most; clearance_mm is {clearance}", mm(gap))
+                    write!(f, "links {a} and {b} are at most {} apart; clearance_mm is {clearance}", mm(gap))
                 } else {
                     write!(f, "links {a} and {b} touch; clearance_mm is {clearance}")
                 }
             }
             Miss::Occluded(share) => {
-                write!(f, "the robot hides {} % of the corners at least", rounded(share * 100.0))
+                write!(f, "the robot hides at least {} % of the corners", rounded(share * 100.0))
             }
         }
     }
@@ -374,9 +397,17 @@ fn rounded(number: f64) -> String {
 impl fmt::Display for Diagnosis {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         if let Some(Obstacle { stops_all, nearest }) = &self.obstacle {
-            let name = nearest.name().replace('_', " ");
-            let most = if *stops_all { "All" } else { "Most" };
-            write!(f, "{most} fail by {name}: {nearest}.\nWhat to change: {}.", nearest.advice())?;
+            let tried = match nearest.is_of_robot() {
+                true => "tested configurations that see the board".to_owned(),
+                false => format!("{} configurations tried", grouped(self.tried)),
+            };
+            let reason = nearest.name().replace('_', " ");
+            if *stops_all {
+                writeln!(f, "All of the {tried} are rejected for the reason \"{reason}\".")?;
+            } else {
+                writeln!(f, "Main reason for rejection among the {tried}: \"{reason}\".")?;
+            }
+            write!(f, "Nearest miss: {nearest}.\nWhat to change: {}.", nearest.advice())?;
         }
         for smell in &self.smells {
             write!(f, "\nSuspicious: {smell}.")?;

@@ -52,7 +52,7 @@ pub enum SurveyError {
         diagnosis: Box<Diagnosis>,
     },
     /// No candidate passes every check.
-    #[error("none of the {} candidates is a view; rejected: {}", grouped(*candidates), describe_rejections(&**rejected))]
+    #[error("none of the {} candidates is a view; candidates rejected, by reason: {}", grouped(*candidates), describe_rejections(&**rejected))]
     NoViews {
         /// Candidates that passed the sweep.
         candidates: usize,
@@ -78,7 +78,7 @@ fn describe_rejections(rejected: &[usize]) -> String {
         .iter()
         .zip(rejected)
         .filter(|&(_, &count)| count > 0)
-        .map(|(reason, count)| format!("{} {}", grouped(*count), reason.name().replace('_', " ")))
+        .map(|(reason, count)| format!("{} {}", reason.name().replace('_', " "), grouped(*count)))
         .collect();
     counted.join(", ")
 }

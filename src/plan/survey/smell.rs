@@ -54,7 +54,7 @@ fn lengths(problem: &Problem) -> Vec<Smell> {
     let tiny = |length: f64, below: f64| length > 0.0 && length < below;
     let mut smells = Vec::new();
     if tiny(reach, 2.0 * TINY) {
-        smells.push(Smell::Metres("the robot's lengths together", reach * 1e3));
+        smells.push(Smell::Metres("the sum of the robot's lengths", reach * 1e3));
     } else if reach > 50.0 {
         smells.push(Smell::Millimetres(reach));
     }
@@ -90,7 +90,7 @@ fn angles(problem: &Problem) -> Vec<Smell> {
     let widest =
         turning.map(|joint| joint.limits.max.abs().max(joint.limits.min.abs())).fold(0.0, f64::max).to_degrees();
     if widest > 0.5 && widest <= 2.0 * PI + 1e-9 {
-        smells.push(Smell::Radians("the widest of the joint limits", widest));
+        smells.push(Smell::Radians("the widest range of the joints", widest));
     }
     for (what, limit) in [
         ("`visibility.max_incidence_deg`", visibility.max_incidence),
@@ -198,7 +198,7 @@ impl fmt::Display for Smell {
             Smell::Millimetres(reach) => {
                 write!(
                     f,
-                    "the robot's links are {reach:.0} m long together, which looks like millimetres; URDF is in metres"
+                    "the robot's links are {reach:.0} m long in total, which looks like millimetres; URDF is in metres"
                 )
             }
             Smell::Radians(what, degrees) => {
@@ -207,8 +207,8 @@ impl fmt::Display for Smell {
             Smell::FocalLength(px) => write!(f, "`camera.fx_px`: {px} looks like mm; focal lengths are in px"),
             Smell::FacingAway(share) => write!(
                 f,
-                "the board faces away from the camera; turned over, as with rpy_deg = [180, 0, 0], {} of the configurations \
-                 would see it",
+                "the board faces away from the camera; if it were turned over, as with rpy_deg = [180, 0, 0], {} of the \
+                 configurations would see it",
                 percent(share)
             ),
             Smell::LooksAlong(axis, share) => {
@@ -220,7 +220,7 @@ impl fmt::Display for Smell {
                 )?;
                 match *axis {
                     "x" => f.write_str(
-                        ". ROS's body frames, such as camera_link, look along x, optical frames along z: name the \
+                        ". ROS's body frames, such as camera_link, look along x, and optical frames along z: name the \
                                         optical frame, or correct `camera.mount`",
                     ),
                     _ => f.write_str(": correct `camera.mount`"),
@@ -228,7 +228,7 @@ impl fmt::Display for Smell {
             }
             Smell::Swapped(share) => write!(
                 f,
-                "columns and rows may be exchanged; the other way round {} of the configurations would see the board",
+                "columns and rows may be swapped; the other way round, {} of the configurations would see the board",
                 percent(share)
             ),
         }
@@ -278,7 +278,7 @@ mod tests {
             ("d_mm = 450", "d_mm = 0.45"),
             ("d_mm = 80", "d_mm = 0.08"),
         ]);
-        let [Smell::Metres("the robot's lengths together", mm)] = found.smells[..] else { panic!("{found:?}") };
+        let [Smell::Metres("the sum of the robot's lengths", mm)] = found.smells[..] else { panic!("{found:?}") };
         assert!((1.3..1.5).contains(&mm), "{mm}");
         let found = far(&[("square_mm = 25", "square_mm = 0.025")]);
         assert_eq!(found.smells, [Smell::Metres("`target.square_mm`", 0.025)]);
@@ -300,7 +300,7 @@ mod tests {
             ("[0, 110]", "[0, 1.92]"),
             ("[-180, 180]", "[-3.1, 3.1]"),
         ]);
-        let [Smell::Radians("the widest of the joint limits", widest)] = found.smells[..] else { panic!("{found:?}") };
+        let [Smell::Radians("the widest range of the joints", widest)] = found.smells[..] else { panic!("{found:?}") };
         assert!((widest - 3.1).abs() < 1e-9);
         let found = far(&[("rpy_deg = [0, 0, 90]", "rpy_deg = [3.1416, 0, 1.5708]")]);
         assert!(

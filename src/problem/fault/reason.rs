@@ -209,16 +209,16 @@ impl Reason {
             }
             Reason::OutOfRange { value, .. } => format!("`{key}` is {}", Number(*value)),
             Reason::KnownExactly { value, .. } => {
-                format!("`{key}` is {}: the intrinsic is known, there is nothing to estimate", Number(*value))
+                format!("`{key}` is {}: the intrinsic is then known, and there is nothing to estimate", Number(*value))
             }
             Reason::Reversed { min, max } => format!("`{key}` runs from {} down to {}", Number(*min), Number(*max)),
             Reason::BoardBeyondZone { zone, .. } => {
-                format!("`{key}` is {}, less than the board's own side", Number(*zone))
+                format!("`{key}` is {}, less than the side of the printed board", Number(*zone))
             }
             Reason::Length { found, .. } => format!("`{key}` has {found} entries"),
             Reason::Empty => format!("`{key}` is empty"),
             Reason::NoArm => format!("`{key}` is missing or empty, and `robot.urdf` is not given either"),
-            Reason::Duplicate { name } => format!("`{key}` is \"{name}\", which occurs before"),
+            Reason::Duplicate { name } => format!("`{key}` is \"{name}\", which is used already"),
             Reason::Taken { name } => format!("`{key}` is \"{name}\", which is the name of a link"),
             Reason::NotApplicable { to, .. } => format!("`{key}` does not apply to {to}"),
             Reason::Conflict { with } => format!("`{key}` and `{with}` exclude each other"),
@@ -235,10 +235,10 @@ impl Reason {
                 format!("{}: {error}", path.display())
             }
             Reason::NoShape { .. } => format!("`{key}` has no shape"),
-            Reason::Ambiguous { name } => format!("`{key}` is \"{name}\", which several links are called"),
+            Reason::Ambiguous { name } => format!("`{key}` is \"{name}\", which is the name of several links"),
             Reason::Support { error } => error.to_string(),
             Reason::NoMasses => format!("`{key}` needs masses, and no link has one"),
-            Reason::NoFolder { name } => format!("`{key}` is \"{name}\", which is no folder"),
+            Reason::NoFolder { name } => format!("`{key}` is \"{name}\", which is not a folder"),
             Reason::BeyondUrdf { range: [min, max], soft, .. } => {
                 let what = if *soft { "the soft limits of the URDF's safety controller" } else { "the URDF's limits" };
                 format!("`{key}` runs from {} to {}, beyond {what}", Number(*min), Number(*max))
@@ -246,15 +246,15 @@ impl Reason {
             Reason::NoLimits { joints, .. } => {
                 let names = joints.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
                 let (joint, it) = if joints.len() == 1 { ("joint", "it") } else { ("joints", "they") };
-                format!("the URDF gives {joint} {names} no limits, or from 0 to 0, so that {it} cannot move")
+                format!("the URDF gives {joint} {names} no limits, or limits from 0 to 0, so that {it} cannot move")
             }
             Reason::NothingMoves { camera_link, board_link } => {
-                format!("no joint moves link \"{camera_link}\" against link \"{board_link}\"")
+                format!("no joint moves link \"{camera_link}\" relative to link \"{board_link}\"")
             }
             Reason::TooManyConfigurations { configurations, .. } => {
                 format!("`{key}` makes {configurations:.1e} configurations")
             }
-            Reason::TooManyJoints { joints, .. } => format!("`{key}` cannot serve {joints} joints"),
+            Reason::TooManyJoints { joints, .. } => format!("`{key}` does not support {joints} joints"),
         }
     }
 
@@ -264,7 +264,7 @@ impl Reason {
             Reason::Syntax { .. } => "here".into(),
             Reason::UnknownKey { .. } => "unknown key".into(),
             Reason::UnknownName { .. } => "unknown name".into(),
-            Reason::Missing { .. } | Reason::NoShape { .. } => "to be added here".into(),
+            Reason::Missing { .. } | Reason::NoShape { .. } => "add it here".into(),
             Reason::Type { expected, .. } => format!("must be {expected}"),
             Reason::OutOfRange { allowed, .. } if !written => {
                 format!("give `{}` here: {allowed}", last(key))
@@ -275,10 +275,10 @@ impl Reason {
             Reason::BoardBeyondZone { board, .. } => format!("must be at least {}", Number(*board)),
             Reason::Length { expected, per, .. } => format!("must have {expected}, one for each {per}"),
             Reason::Empty => "must not be empty".into(),
-            Reason::NoArm => "needs one of the two".into(),
+            Reason::NoArm => "give one of the two".into(),
             Reason::Duplicate { .. } => "must occur only once".into(),
-            Reason::Taken { .. } => "must be a name of its own".into(),
-            Reason::NotApplicable { .. } => "has no meaning here".into(),
+            Reason::Taken { .. } => "must be a different name".into(),
+            Reason::NotApplicable { .. } => "does not apply here".into(),
             Reason::Conflict { .. } => "only one may be given".into(),
             Reason::NotUnit { .. } => "must have norm 1".into(),
             Reason::FoldsBack { least, .. } => format!("must reach {:.0} % of the picture", 100.0 * least),
@@ -286,15 +286,15 @@ impl Reason {
                 ReadFault::Mismatch { .. } => "does not agree".into(),
                 ReadFault::UnknownCamera { .. } => "must name a camera of the file".into(),
                 ReadFault::NotStated { .. } | ReadFault::SeveralCameras { .. } => "leaves this open".into(),
-                ReadFault::OtherFormat { .. } | ReadFault::NoCamera { .. } => "names a file that is not read".into(),
-                _ => format!("names a file with an error in line {}", error.line),
+                ReadFault::OtherFormat { .. } | ReadFault::NoCamera { .. } => "names a file that cannot be used".into(),
+                _ => format!("names a file with an error at line {}", error.line),
             },
             Reason::CameraFile { .. } => "must name a camera file".into(),
             Reason::Ambiguous { .. } => "must name one link".into(),
             Reason::Support { .. } => "must span an area".into(),
             Reason::NoMasses => "cannot be tested".into(),
             Reason::RobotFile { error: FileReadError::Robot(error), .. } if !error.is_of_another_file() => {
-                format!("names a file with an error in line {}", error.line)
+                format!("names a file with an error at line {}", error.line)
             }
             Reason::RobotFile { .. } => "must name a file that describes the robot".into(),
             Reason::BeyondUrdf { bounds: [min, max], .. } => {
@@ -304,7 +304,7 @@ impl Reason {
             Reason::NoFolder { .. } => "must be an existing folder".into(),
             Reason::NothingMoves { .. } => "must be moved by a joint".into(),
             Reason::TooManyConfigurations { most, .. } => format!("must make at most {}", Number(*most as f64)),
-            Reason::TooManyJoints { most, .. } => format!("serves at most {most}"),
+            Reason::TooManyJoints { most, .. } => format!("supports at most {most}"),
         }
     }
 
@@ -316,18 +316,18 @@ impl Reason {
             Reason::Missing { allowed } if !allowed.is_empty() => format!("choose one of {}", quoted(allowed)),
             Reason::NotApplicable { instead, .. } => instead.clone(),
             Reason::BoardBeyondZone { .. } => {
-                "the printed board is one square larger each way than its inner corners; take a larger zone, smaller \
+                "the printed board is one square larger each way than its inner corners; choose a larger zone, smaller \
                  squares or fewer corners"
                     .into()
             }
             Reason::NoArm => {
-                "write the arm's Denavit–Hartenberg table as `[[robot.joints]]`, or name its URDF file".into()
+                "write the arm's Denavit–Hartenberg table as `[[robot.joints]]`, or name its URDF file with `urdf`".into()
             }
             Reason::RobotFile { path, error: FileReadError::Robot(error) } if !error.is_of_another_file() => {
-                format!("correct it there, in line {} of {}", error.line, path.display())
+                format!("correct line {} of {}", error.line, path.display())
             }
             Reason::BeyondUrdf { joint, .. } => format!(
-                "where the robot really goes farther than its description says, add \"{joint}\" to `robot.exceed_urdf_limits`"
+                "if the robot really moves farther than its description says, add \"{joint}\" to `robot.exceed_urdf_limits`"
             ),
             Reason::NoLimits { kind, joints } => {
                 let ranges = joints.iter().map(|name| format!("{name} = [min, max]")).collect::<Vec<_>>().join(", ");
@@ -342,21 +342,21 @@ impl Reason {
             }
             Reason::NothingMoves { .. } => {
                 "`camera_link` carries the camera, `target.link` the board; joints with a value in `joint_values_deg` or \
-                 `joint_values_mm` are held"
+                 `joint_values_mm` are held fixed"
                     .into()
             }
             Reason::FoldsBack { .. } => {
-                "check the signs and the order of the coefficients, that they are of this lens model (a fisheye is \
+                "check the signs and the order of the coefficients, that they belong to this lens model (a fisheye is \
                  \"kannala-brandt\"), and that the focal lengths are in px, not in mm"
                     .into()
             }
             Reason::CameraFile { error: FileReadError::Content(error), .. } => return of_camera_file(&error.fault),
-            Reason::TooManyConfigurations { .. } => "take a larger step, narrower joint limits, or a sample of them \
-                                                     (`sample = 200000`); `axis = \"zone\"` holds only the \
+            Reason::TooManyConfigurations { .. } => "use a larger step, narrower joint limits, or a sample \
+                                                     (`sample = 200000`); `axis = \"zone\"` keeps only the \
                                                      configurations that point at the zone"
                 .into(),
             Reason::KnownExactly { .. } => {
-                "leave it out of `estimate.intrinsics`; what is left out is taken as known".into()
+                "leave it out of `estimate.intrinsics`; intrinsics that are left out are treated as known".into()
             }
             Reason::NoShape { allowed } => format!("give one of {}", quoted(allowed)),
             Reason::Ambiguous { .. } => "rename the joint".into(),

@@ -8,11 +8,7 @@ pub(super) fn suggestion(found: &str, allowed: &[String], list: &str) -> String 
     let same = |a: &str| a.replace('-', "_").eq_ignore_ascii_case(&found.replace('-', "_"));
     let known_as = |lens: &&Lens| lens.known_as().iter().any(|&other| same(other));
     if let Some(lens) = Lens::ALL.iter().find(known_as).filter(|lens| allowed.iter().any(|name| name == lens.name())) {
-        return format!(
-            "did you mean `{}`, which is what other tools call {found}? {list}: {}",
-            lens.name(),
-            quoted(allowed)
-        );
+        return format!("did you mean `{}`, which other tools call {found}? {list}: {}", lens.name(), quoted(allowed));
     }
     // Case and the sign between words are no part of a name's meaning.
     let plain = |name: &str| name.to_lowercase().replace(['_', ' '], "-");

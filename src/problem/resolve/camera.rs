@@ -143,7 +143,7 @@ impl Check<'_, '_> {
                 coefficients[i] = self.number(&coefficient, COEFFICIENT);
             } else {
                 let instead = if names.is_empty() {
-                    "choose another `model`, \"brown-conrady\" for instance".to_owned()
+                    "choose another `model`, such as \"brown-conrady\"".to_owned()
                 } else {
                     format!("its coefficients are {}", names.join(", "))
                 };

@@ -46,7 +46,7 @@ impl Check<'_, '_> {
     ) {
         if !method.heeds_constraints() && !constraints.allow_all() {
             let to = format!("method \"{}\"", method.name());
-            self.not_applicable(&section.path, &to, "take another method, or leave the constraints out");
+            self.not_applicable(&section.path, &to, "choose another method, or leave the constraints out");
         }
     }
 

@@ -59,7 +59,7 @@ impl Check<'_, '_> {
             let [from, to] = [span.limits.min, span.limits.max].map(|limit| file_unit(joint.kind, limit));
             let range = file_unit(joint.kind, joint.limits.max - joint.limits.min);
             let text = format!(
-                "joint \"{}\" can turn through {range}°; the turn from {from}° to {to}° is swept, which has every place of it",
+                "joint \"{}\" can turn through {range}°; only the turn from {from}° to {to}° is swept, which contains every position",
                 joint.name
             );
             self.note(path, text);

@@ -20,14 +20,14 @@ pub(crate) struct Body {
     pub(crate) sphere_mm: Option<f64>,
     /// Radius and length of a cylinder along z, in mm.
     pub(crate) cylinder_mm: Option<Numbers<2>>,
-    /// Radius and length of a capsule along z, in mm: a cylinder of that length with a half sphere on either end.
+    /// Radius and length of a capsule along z, in mm: a cylinder of that length with a hemisphere at each end.
     pub(crate) capsule_mm: Option<Numbers<2>>,
-    /// Pose of the solid's middle in the link's frame, or of the housing's in the camera frame.
+    /// Pose of the solid's centre in the link's frame, or of the housing's in the camera frame.
     #[serde(default)]
     pub(crate) pose: Pose,
 }
 
-/// What stands around the robot and does not move with it.
+/// The obstacles around the robot, which do not move with it.
 #[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Scene {
@@ -36,12 +36,12 @@ pub(crate) struct Scene {
     pub(crate) bodies: Vec<Obstacle>,
 }
 
-/// A solid that stands around the robot. Exactly one of `box_mm`, `sphere_mm`, `cylinder_mm` and `capsule_mm` gives its shape.
+/// A solid of an obstacle. Exactly one of `box_mm`, `sphere_mm`, `cylinder_mm` and `capsule_mm` gives its shape.
 #[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Obstacle {
-    /// Name of the obstacle that the solid belongs to; solids of one name make one obstacle. No link may be called the same,
-    /// and "camera" and "board" are taken.
+    /// Name of the obstacle that the solid belongs to; solids with the same name form one obstacle. It must not be the name of
+    /// a link, "camera" or "board".
     pub(crate) name: String,
     /// Sides of a box along x, y and z, in mm.
     pub(crate) box_mm: Option<Numbers<3>>,
@@ -49,9 +49,9 @@ pub(crate) struct Obstacle {
     pub(crate) sphere_mm: Option<f64>,
     /// Radius and length of a cylinder along z, in mm.
     pub(crate) cylinder_mm: Option<Numbers<2>>,
-    /// Radius and length of a capsule along z, in mm: a cylinder of that length with a half sphere on either end.
+    /// Radius and length of a capsule along z, in mm: a cylinder of that length with a hemisphere at each end.
     pub(crate) capsule_mm: Option<Numbers<2>>,
-    /// Pose of the solid's middle in the robot's base frame.
+    /// Pose of the solid's centre in the robot's base frame.
     #[serde(default)]
     pub(crate) pose: Pose,
 }
@@ -81,7 +81,7 @@ pub(crate) struct Mass {
 #[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Collision {
-    /// Least distance between two links, or a link and an obstacle, in mm; at 0 they may come as close as they like but not touch.
+    /// Minimum distance between two links, or a link and an obstacle, in mm; at 0 they must not touch.
     #[serde(default)]
     pub(crate) clearance_mm: f64,
     /// Pairs of links that are not tested: names as in `robot.bodies` and `scene.bodies`, "camera" for the housing, "board" for the
@@ -99,7 +99,7 @@ pub(crate) struct Stability {
     /// Height of the ground in the base frame, in mm; it matters on slopes only.
     #[serde(default)]
     pub(crate) ground_mm: f64,
-    /// Least distance of the projected centre of mass from the polygon's edges, in mm.
+    /// Minimum distance of the projected centre of mass from the polygon's edges, in mm.
     #[serde(default)]
     pub(crate) margin_mm: f64,
     /// Slope of the ground about the base frame's x, in degrees; positive lowers -y.

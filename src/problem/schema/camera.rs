@@ -24,14 +24,14 @@ pub(crate) struct Camera {
     /// File with the nominal calibration, in place of the keys below: ROS `camera_info` YAML or the message as `topic echo` prints it,
     /// OpenCV `FileStorage` YAML, XML or JSON, a Kalibr camchain, or mrcal's cameramodel. Relative to the problem file's folder.
     pub(crate) file: Option<String>,
-    /// Which camera of `file`, where it has several: "cam1" of a Kalibr camchain, "M2" of OpenCV's stereo files, whose left camera it
-    /// is when left out.
+    /// Camera to use if `file` has several: "cam1" of a Kalibr camchain, "M2" of OpenCV's stereo files (by default the left
+    /// camera).
     pub(crate) file_camera: Option<String>,
-    /// Image width in px; required without `file`, and with one that does not state it.
-    #[schemars(range(min = 1))]
+    /// Image width in px; required without a `file` that states it.
+    #[schemars(range(min = 1, max = 100_000))]
     pub(crate) width_px: Option<u32>,
-    /// Image height in px; required without `file`, and with one that does not state it.
-    #[schemars(range(min = 1))]
+    /// Image height in px; required without a `file` that states it.
+    #[schemars(range(min = 1, max = 100_000))]
     pub(crate) height_px: Option<u32>,
     /// Focal length along x, in px; required without `file`.
     pub(crate) fx_px: Option<f64>,

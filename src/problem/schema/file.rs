@@ -27,10 +27,10 @@ pub(crate) struct File {
     /// The joint configurations to try.
     #[serde(default)]
     pub(crate) sweep: Sweep,
-    /// What a view must satisfy.
+    /// Conditions that a view must meet.
     #[serde(default)]
     pub(crate) visibility: Visibility,
-    /// What stands around the robot.
+    /// The obstacles around the robot.
     #[serde(default)]
     pub(crate) scene: Scene,
     /// The test for collision.

@@ -59,9 +59,11 @@ pub(crate) fn meaning<'k>(keys: impl Iterator<Item = &'k str>) -> Option<String>
     Some(node(keys)?.get("description")?.as_str()?.to_owned())
 }
 
-/// The least value of the whole number at the end of this way, where the schema has one.
-pub(crate) fn least<'k>(keys: impl Iterator<Item = &'k str>) -> Option<u64> {
-    node(keys)?.get("minimum")?.as_u64()
+/// The least and the greatest value of the whole number at the end of this way, where the schema has them.
+pub(crate) fn bounds<'k>(keys: impl Iterator<Item = &'k str>) -> (Option<u64>, Option<u64>) {
+    let node = node(keys);
+    let bound = |name: &str| node?.get(name)?.as_u64();
+    (bound("minimum"), bound("maximum"))
 }
 
 /// The part of the schema that describes the key at the end of this way, or the nearest key above that is described.

@@ -17,7 +17,7 @@ pub(crate) use bodies::{Body, Collision, Mass, Scene, Stability};
 pub(crate) use camera::{Camera, Distortion};
 pub(crate) use file::File;
 pub use json::schema_json;
-pub(crate) use json::{least, meaning};
+pub(crate) use json::{bounds, meaning};
 pub(crate) use robot::{Joint, Robot};
 pub(crate) use selection::{Constraints, Group, Region, Selection};
 pub(crate) use sweep::{Published, Sweep};

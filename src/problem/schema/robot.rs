@@ -17,7 +17,7 @@ pub(crate) struct Robot {
     /// Order of a row's factors: "standard" (the default) is Rz(theta) Tz(d) Tx(a) Rx(alpha), "modified" (Craig) is Rx(alpha)
     /// Tx(a) Rz(theta) Tz(d).
     pub(crate) convention: Option<Named<Convention>>,
-    /// Which set of joint limits to use, for joints that give several.
+    /// Set of joint limits to use, for joints that have several.
     pub(crate) limits: Option<String>,
     /// Pose of the flange in the frame of the last row; the same frame when left out.
     pub(crate) flange: Option<Pose>,
@@ -30,7 +30,7 @@ pub(crate) struct Robot {
     /// Masses attached to the links, for static stability.
     #[serde(default)]
     pub(crate) masses: Vec<Mass>,
-    /// File that describes the robot, in place of a table: URDF, expanded if it is xacro. Relative to the problem file's folder.
+    /// URDF file of the robot, in place of a table; expand a xacro file first. Relative to the problem file's folder.
     pub(crate) urdf: Option<String>,
     /// SRDF file whose `disable_collisions` name the pairs of links that are never tested for collision. Relative to the problem
     /// file's folder.
@@ -58,7 +58,7 @@ pub(crate) struct Robot {
     /// Ranges [min, max] in mm of prismatic joints, by the joints' names, likewise.
     #[serde(default)]
     pub(crate) limits_mm: BTreeMap<String, Range>,
-    /// Joints whose ranges in `limits_deg` and `limits_mm` are meant to go beyond those that the URDF states.
+    /// Joints whose ranges in `limits_deg` and `limits_mm` may go beyond those of the URDF.
     #[serde(default)]
     pub(crate) exceed_urdf_limits: Vec<String>,
 }
@@ -67,7 +67,7 @@ pub(crate) struct Robot {
 #[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Joint {
-    /// Name of the joint, as the robot's driver knows it.
+    /// Name of the joint, as in the robot's driver.
     pub(crate) name: String,
     /// How the joint moves: its value is added to theta (revolute) or d (prismatic).
     #[serde(default = "revolute")]
@@ -89,9 +89,9 @@ pub(crate) struct Joint {
     pub(crate) limits_deg: Option<RangeOrSets>,
     /// Range of a prismatic joint: [min, max] in mm, or a table of such ranges by name.
     pub(crate) limits_mm: Option<RangeOrSets>,
-    /// Greatest speed of a revolute joint, in degrees per second.
+    /// Maximum speed of a revolute joint, in degrees per second.
     pub(crate) max_speed_deg_s: Option<f64>,
-    /// Greatest speed of a prismatic joint, in mm per second.
+    /// Maximum speed of a prismatic joint, in mm per second.
     pub(crate) max_speed_mm_s: Option<f64>,
 }
 

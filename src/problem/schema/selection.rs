@@ -13,7 +13,7 @@ use crate::problem::Method;
 #[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct Selection {
-    /// What to make good: "v" the mean variance of the calibrated projection over the image, "d" the volume of the confidence
+    /// What to optimise: "v" the mean variance of the calibrated projection over the image, "d" the volume of the confidence
     /// ellipsoid, "a" the sum of the intrinsics' variances and "e" their worst combination, in units that move the image
     /// by 1 px, "zhang" the worst direction of the closed-form solution, "diversity" the spread over angle and distance; or
     /// a table of several with their shares, as in `{ v = 0.8, diversity = 0.2 }`; "v" when left out.
@@ -24,36 +24,36 @@ pub(crate) struct Selection {
     #[schemars(range(min = 1))]
     pub(crate) count: Option<u64>,
     /// Accuracies to reach with as few poses as possible, in place of `criterion`, `method` and `count`: `map_error_px` and names of
-    /// estimated intrinsics, each with the standard deviation asked for, as in `{ map_error_px = 2, fx = 1.5 }`.
+    /// estimated intrinsics, each with the requested standard deviation, as in `{ map_error_px = 2, fx = 1.5 }`.
     pub(crate) accuracy: Option<BTreeMap<String, f64>>,
     /// Seed of everything random.
     pub(crate) seed: u64,
     /// Relative gap at which the relaxation stops.
     pub(crate) tolerance: f64,
-    /// Seconds after which a search for the proven best set gives its best so far.
+    /// Seconds after which a search for the proven best set ends with the best set so far.
     pub(crate) time_limit_s: f64,
-    /// Nodes of the search tree after which it does so too.
+    /// Nodes of the search tree after which a search ends with the best set so far.
     pub(crate) node_limit: u64,
 }
 
-/// Which sets of poses are allowed.
+/// The sets of poses that are allowed.
 #[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct Constraints {
-    /// Poses that must be in the plan, by the ids of plan.json and the candidates' table.
+    /// Poses that must be in the plan, by their ids in plan.json or views.csv.
     pub(crate) require: Vec<u64>,
-    /// Poses that must not be.
+    /// Poses that must not be in the plan, by their ids.
     pub(crate) forbid: Vec<u64>,
-    /// Joint values of views taken already, in degrees (mm for prismatic joints), one list per view. What they teach is
-    /// known before the first pose is chosen.
+    /// Joint values of views taken already, in degrees (mm for prismatic joints), one list per view. Their
+    /// information counts as known before the first pose is chosen.
     pub(crate) captured: Vec<Vec<f64>>,
-    /// Joint regions without poses.
+    /// Joint regions that must contain no poses.
     pub(crate) keep_out: Vec<Region>,
-    /// Joint regions with few poses.
+    /// Joint regions with a maximum number of poses.
     pub(crate) groups: Vec<Group>,
-    /// Least distance between two poses in joint space, in degrees: the Euclidean norm over the revolute joints.
+    /// Minimum distance between two poses in joint space, in degrees: the Euclidean norm over the revolute joints.
     pub(crate) joint_separation_deg: Option<f64>,
-    /// Least angle between the directions in which two poses see the board's centre, in the board's frame, in degrees.
+    /// Minimum angle between the directions from which two poses see the board's centre, in the board's frame, in degrees.
     pub(crate) view_separation_deg: Option<f64>,
 }
 
@@ -65,7 +65,7 @@ pub(crate) struct Region {
     pub(crate) joints: BTreeMap<String, Range>,
 }
 
-/// A region of joint space with few poses.
+/// A region of joint space with a maximum number of poses.
 #[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Group {
@@ -73,7 +73,7 @@ pub(crate) struct Group {
     pub(crate) name: String,
     /// Ranges [min, max] of some joints by name, as in `keep_out`.
     pub(crate) joints: BTreeMap<String, Range>,
-    /// Most poses of the plan in the region.
+    /// Maximum number of the plan's poses in the region.
     pub(crate) most: u64,
 }
 

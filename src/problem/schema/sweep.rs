@@ -18,7 +18,8 @@ pub(crate) struct Sweep {
     /// Number of configurations of a Halton sample, instead of a grid.
     #[schemars(range(min = 1))]
     pub(crate) sample: Option<u64>,
-    /// Rounds of refinement: each tries configurations around the poses that selection picks, ever closer; none when left out.
+    /// Rounds of refinement: each tries configurations around the poses that selection picks, closer in each round; none when left
+    /// out.
     #[serde(default)]
     pub(crate) refine: u64,
     /// Number of configurations that each round of refinement tries; 20 000 when left out.
@@ -27,7 +28,7 @@ pub(crate) struct Sweep {
     /// Where the optical axis must go: "any" keeps all configurations, "zone" those whose axis meets the zone.
     #[serde(default = "any_axis")]
     pub(crate) axis: Named<AxisRule>,
-    /// Counts that others published for this sweep; `calipose sweep` shows them beside its own.
+    /// Published counts for this sweep, which `calipose sweep` shows beside its own.
     #[serde(default)]
     pub(crate) published: Vec<Published>,
 }

@@ -12,10 +12,10 @@ use super::value::Pose;
 #[serde(deny_unknown_fields)]
 pub(crate) struct Target {
     /// Inner corners along x.
-    #[schemars(range(min = 2))]
+    #[schemars(range(min = 2, max = 1000))]
     pub(crate) columns: u32,
     /// Inner corners along y.
-    #[schemars(range(min = 2))]
+    #[schemars(range(min = 2, max = 1000))]
     pub(crate) rows: u32,
     /// Side of a square in mm.
     pub(crate) square_mm: f64,

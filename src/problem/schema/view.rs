@@ -5,23 +5,23 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What a view must satisfy besides showing the corners.
+/// Conditions that a view must meet, besides showing the corners.
 #[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct Visibility {
-    /// Least distance of every corner from the centres of the outermost pixels, in px.
+    /// Minimum distance of every corner from the centres of the outermost pixels, in px.
     pub(crate) margin_px: f64,
-    /// Greatest angle between the board's normal and the direction to the camera, in degrees.
+    /// Maximum angle between the board's normal and the direction to the camera, in degrees.
     pub(crate) max_incidence_deg: f64,
-    /// Greatest angle between the board's normal and the optical axis, in degrees.
+    /// Maximum angle between the board's normal and the optical axis, in degrees.
     pub(crate) max_tilt_deg: f64,
-    /// Least distance from the camera to the board's centre, in mm.
+    /// Minimum distance from the camera to the board's centre, in mm.
     pub(crate) min_distance_mm: f64,
-    /// Greatest distance from the camera to the board's centre, in mm.
+    /// Maximum distance from the camera to the board's centre, in mm.
     pub(crate) max_distance_mm: f64,
-    /// Least distance between neighbouring corners in the image, in px.
+    /// Minimum distance between neighbouring corners in the image, in px.
     pub(crate) min_corner_spacing_px: f64,
-    /// Fewest corners that make a view, for boards that can be read in part (`ChArUco`, grids of tags); every corner when left
+    /// Minimum number of corners in a view, for boards that can be read in part (`ChArUco`, grids of tags); every corner when left
     /// out.
     #[schemars(range(min = 4))]
     pub(crate) min_corners: Option<u32>,
@@ -41,7 +41,7 @@ pub(crate) struct Noise {
 pub(crate) struct Estimate {
     /// Names of the intrinsics to estimate: fx, fy, cx, cy and the lens model's coefficients. All when left out.
     pub(crate) intrinsics: Option<Vec<String>>,
-    /// What is known of intrinsics beforehand: their standard deviations by name, as in `{ cx = 20, cy = 20 }`. Nothing when
+    /// What is known of intrinsics before calibration: their standard deviations by name, as in `{ cx = 20, cy = 20 }`. Nothing when
     /// left out.
     #[serde(default)]
     pub(crate) prior_sigma: BTreeMap<String, f64>,

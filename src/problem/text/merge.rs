@@ -122,7 +122,7 @@ fn beyond(index: usize, len: usize, key: &Range<usize>) -> Unreadable {
 }
 
 fn no_list(key: &Range<usize>) -> Unreadable {
-    refused("asks for an element of what is no list", key)
+    refused("asks for an element of a value that is not a list", key)
 }
 
 fn no_section(name: &str, key: &Range<usize>) -> Unreadable {

@@ -43,7 +43,7 @@ pub enum OverrideError {
         text: String,
     },
     /// The key is no dotted path.
-    #[error("\"{key}\" is no path of keys, as in robot.joints[1].limits_deg")]
+    #[error("\"{key}\" is not a path of keys, as in robot.joints[1].limits_deg")]
     Key {
         /// What stands before `=`.
         key: String,

@@ -4,7 +4,7 @@ use super::document::Document;
 use super::path::KeyPath;
 use super::source::{Place, Source};
 use crate::problem::fault::{Fault, Reason};
-use crate::problem::schema::{File, least, meaning};
+use crate::problem::schema::{File, bounds, meaning};
 
 /// The document of `source`, and what it says.
 pub(crate) fn read(source: &Source) -> Result<(Document<'_>, File), Box<Fault>> {
@@ -43,7 +43,7 @@ fn translate(document: &Document, error: &toml::de::Error) -> Fault {
     } else if let (true, [name, allowed @ ..]) = (message.starts_with("unknown variant"), &names[..]) {
         Reason::UnknownName { name: name.clone(), allowed: allowed.to_vec() }
     } else if let Some((found, expected)) = message.rsplit_once(", expected ") {
-        Reason::Type { found: plain_found(found), expected: plain_expected(expected, least(path.keys()).unwrap_or(0)) }
+        Reason::Type { found: plain_found(found), expected: plain_expected(expected, bounds(path.keys())) }
     } else {
         Reason::Syntax { message: message.to_owned() }
     };
@@ -56,7 +56,7 @@ fn plain_found(serde: &str) -> String {
     match found.split_once(' ') {
         Some(("integer" | "boolean", value)) => value.trim_matches('`').to_owned(),
         Some(("floating", value)) => value.trim_start_matches("point ").trim_matches('`').to_owned(),
-        Some(("string", value)) => format!("the text {value}"),
+        Some(("string", value)) => format!("the string {value}"),
         Some(("invalid", length)) => length.replace("length ", "a list of length "),
         _ => match found {
             "sequence" => "a list".into(),
@@ -66,13 +66,15 @@ fn plain_found(serde: &str) -> String {
     }
 }
 
-/// `least` is the least value of a whole number.
-fn plain_expected(serde: &str, least: u64) -> String {
+/// `min` and `max` are the bounds of a whole number, where the schema has them.
+fn plain_expected(serde: &str, (min, max): (Option<u64>, Option<u64>)) -> String {
     match serde {
         "f64" => "a number".into(),
-        "u32" => format!("a whole number from {least} to {}", u32::MAX),
-        "u64" | "usize" => format!("a whole number, at least {least}"),
-        "a string" => "a text in quotes".into(),
+        "u32" | "u64" | "usize" => {
+            let min = min.unwrap_or(0);
+            max.map_or(format!("a whole number, at least {min}"), |max| format!("a whole number from {min} to {max}"))
+        }
+        "a string" => "a string in quotes".into(),
         "a sequence" => "a list".into(),
         "a map" => "a table".into(),
         _ if serde.starts_with("struct ") => "a table".into(),

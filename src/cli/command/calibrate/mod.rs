@@ -26,15 +26,15 @@ use crate::target::Board;
 
 #[derive(Debug, Args)]
 pub(crate) struct CalibrateArguments {
-    /// Detected corners: mrcal's vnl, or calipose's JSON
+    /// File of detected corners: mrcal's vnl, or calipose's JSON
     observations: PathBuf,
-    /// Problem file that says board, image size, lens and what to estimate
+    /// Problem file that gives the board, image size, lens and intrinsics to estimate
     #[arg(long, conflicts_with_all = ["board", "square", "image", "lens"])]
     problem: Option<PathBuf>,
     /// Inner corners of the board along x and y
     #[arg(long, value_name = "COLUMNSxROWS", value_parser = board_size, requires = "square")]
     board: Option<[u32; 2]>,
-    /// Distance of neighbouring corners in mm
+    /// Distance between neighbouring corners (side of a square), in mm
     #[arg(long = "square-mm", value_name = "MM", value_parser = length, requires = "board")]
     square: Option<f64>,
     /// Size of the images in px
@@ -45,19 +45,19 @@ pub(crate) struct CalibrateArguments {
     lens: Option<Lens>,
     #[command(flatten)]
     parameters: ParameterArguments,
-    /// Take the images with such a name only, `*` for any text, as in '*cam0*'
+    /// Use only images whose names match, with `*` for any text, as in '*cam0*'
     #[arg(long, value_name = "PATTERN")]
     images: Option<String>,
-    /// Map error to judge the camera by, in px [default: the problem file's accuracy, else 1]
+    /// Map error that the verdict requires, in px [default: the problem file's accuracy, else 1]
     #[arg(long = "map-error-px", value_name = "PX", value_parser = map_error)]
     map_error: Option<f64>,
-    /// How much a corner's error counts; huber and cauchy withstand outliers
+    /// Loss function; huber and cauchy withstand outliers
     #[arg(long, default_value = "squared")]
     loss: LossName,
     /// Folder for the camera files and calibration.json
     #[arg(long, short, default_value = "calibration")]
     output: PathBuf,
-    /// Format of the camera file
+    /// Format of the camera file; all writes every format that can hold the camera
     #[arg(long, default_value = ALL_FORMATS, value_parser = camera_files())]
     camera_format: CameraFiles,
 }

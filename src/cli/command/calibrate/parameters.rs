@@ -11,10 +11,10 @@ pub(super) struct ParameterArguments {
     /// Intrinsics to estimate, as in fx,fy,cx,cy,k1 [default: the problem file's, else all]
     #[arg(long, value_delimiter = ',', value_name = "NAMES")]
     estimate: Vec<String>,
-    /// Intrinsics to hold at a value, as in k3=0; without one at the problem file's, else at the image's centre or 0
+    /// Intrinsics to hold fixed, as in k3=0; without a value, at the problem file's, else at the image's centre or 0
     #[arg(long, value_delimiter = ',', value_name = "NAME[=VALUE]")]
     fix: Vec<String>,
-    /// Two intrinsics to give one value, as in fx=fy
+    /// Two intrinsics to give the same value, as in fx=fy
     #[arg(long, value_delimiter = ',', value_name = "NAME=NAME")]
     tie: Vec<String>,
     /// Hold p1 and p2 at 0
@@ -62,7 +62,7 @@ impl ParameterArguments {
         }
         for &(j, value) in &held {
             if !self.estimate.is_empty() && estimated.contains(&j) {
-                return Err(Failure::Usage(format!("{} is to be estimated and to be held", names[j])));
+                return Err(Failure::Usage(format!("{} is both to be estimated and to be held fixed", names[j])));
             }
             estimated.retain(|&other| other != j);
             if let Some(value) = value {
@@ -70,7 +70,7 @@ impl ParameterArguments {
             }
         }
         if estimated.is_empty() {
-            return Err(Failure::Usage("nothing is left to estimate".into()));
+            return Err(Failure::Usage("no intrinsic is left to estimate".into()));
         }
         if !is_known {
             for j in (0..θ.len()).filter(|j| !estimated.contains(j)) {
@@ -79,7 +79,8 @@ impl ParameterArguments {
                     _ if has_value => θ[j],
                     0 | 1 => {
                         let name = names[j];
-                        let what = format!("nothing says what {name} is held at: give it, as in --fix {name}=900");
+                        let what =
+                            format!("no value is given at which to hold {name}: give one, as in --fix {name}=900");
                         return Err(Failure::Usage(what));
                     }
                     2 => (f64::from(nominal.width()) - 1.0) / 2.0,
@@ -97,7 +98,7 @@ impl ParameterArguments {
             if let Some(fixed) = [a, b].into_iter().find(|j| !estimated.contains(j)) {
                 let name = names[fixed];
                 return Err(Failure::Usage(format!(
-                    "--tie {text}: {name} is not estimated, so that nothing can be tied to it"
+                    "--tie {text}: {name} is not estimated, so nothing can be tied to it"
                 )));
             }
             ties = ties.and(a, b);
@@ -109,5 +110,5 @@ impl ParameterArguments {
 
 fn finite(text: &str, value: &str) -> Result<f64, Failure> {
     let parsed = value.trim().parse().ok().filter(|x: &f64| x.is_finite());
-    parsed.ok_or_else(|| Failure::Usage(format!("--fix {text}: `{value}` is no number")))
+    parsed.ok_or_else(|| Failure::Usage(format!("--fix {text}: `{value}` is not a number")))
 }

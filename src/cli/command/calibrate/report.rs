@@ -42,7 +42,7 @@ pub(super) fn text(detections: &Detections, calibration: &Calibration, assessmen
     if !skipped.is_empty() {
         let more = if skipped.len() > LISTED { ", ..." } else { "" };
         let listed = skipped[..skipped.len().min(LISTED)].join(", ");
-        text += &format!(" No corners in {} images, which are left out: {listed}{more}.", skipped.len());
+        text += &format!(" {} images without corners are left out: {listed}{more}.", skipped.len());
     }
     text += &format!(
         "\n\n{}\n\n{}\n\nResiduals [px]: RMS {}, sigma of a coordinate {}; lengths: median {}, 95 % below {}, largest {}; mean \
@@ -71,7 +71,7 @@ pub(super) fn text(detections: &Detections, calibration: &Calibration, assessmen
         );
     }
     if outliers.len() > LISTED {
-        text += &format!("... and {} outliers more; --json lists them.\n", outliers.len() - LISTED);
+        text += &format!("... and {} more outliers; --json lists them all.\n", outliers.len() - LISTED);
     }
     text + &format!("\n{verdict}")
 }

@@ -14,7 +14,7 @@ pub(super) fn lens_text(camera: &Camera, lens: &LensDocument) -> String {
     }
     let fold = lens.folds_back_at_deg.map(|angle| format!(", up to {angle:.1}° off the optical axis"));
     format!(
-        "{size}, and reaches {:.0} % of the picture{}; beyond, nothing is seen, and no view has corners there.",
+        "{size}, and reaches {:.0} % of the picture{}; views have no corners beyond.",
         100.0 * share,
         fold.unwrap_or_default()
     )

@@ -59,9 +59,8 @@ pub(crate) fn run(arguments: &ProblemArguments, screen: &mut Screen) -> Result<(
         problem.unknowns().names().join(" "),
         problem.output.display(),
         duration(seconds),
-        search_limit.map_or(String::new(), |limit| {
-            format!(", up to {} more for the search for the proof,", duration(limit))
-        }),
+        search_limit
+            .map_or(String::new(), |limit| { format!(", up to {} more to search for the proof,", duration(limit)) }),
         grouped((bytes / 1e6).ceil() as usize),
     );
     if let Some(diagnosis) = &diagnosis {
@@ -90,7 +89,7 @@ fn chosen(problem: &Problem, forecast: &Forecast) -> String {
     });
     let count = match forecast.count {
         Some(count) => format!("about {}", grouped(count)),
-        None => "perhaps more than there are".into(),
+        None => "perhaps more than there are views".into(),
     };
     format!("the fewest poses that reach {} ({count})", requested.collect::<Vec<_>>().join(", "))
 }

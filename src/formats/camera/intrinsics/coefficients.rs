@@ -42,10 +42,10 @@ pub(in crate::formats::camera) fn coefficients_of(
 /// What to do about coefficient `i`, which is beyond those of `lens`.
 fn instead(lens: Lens, i: usize) -> &'static str {
     match lens {
-        Lens::Pinhole => "name the lens model that they are of",
+        Lens::Pinhole => "name the lens model that they belong to",
         // Only models that begin as OpenCV's do can go on as those.
         _ if lens.radial_polynomial().is_none() => "",
         _ if i >= FIRST_OF_THIN_PRISM => THIN_PRISM,
-        _ => "if they are of OpenCV's rational model, name that (ROS: rational_polynomial)",
+        _ => "if they belong to OpenCV's rational model, name that (ROS: rational_polynomial)",
     }
 }

@@ -8,7 +8,7 @@ use crate::plan::assess::locate::LocateError;
 #[derive(Debug, Error)]
 pub enum CertifyError {
     /// A number is not what the plan says.
-    #[error("{what} is {found} by the problem file, but the plan says {stated}")]
+    #[error("{what} is {found} according to the problem file, but the plan says {stated}")]
     Number {
         /// What it is.
         what: String,
@@ -18,7 +18,7 @@ pub enum CertifyError {
         found: f64,
     },
     /// Something else than a number is not what the plan says.
-    #[error("{what} is {found} by the problem file, but the plan says {stated}")]
+    #[error("{what} is {found} according to the problem file, but the plan says {stated}")]
     Other {
         /// What it is.
         what: String,
@@ -56,10 +56,12 @@ pub enum CertifyError {
         order: usize,
     },
     /// A price or mixture is negative, or of no group or accuracy.
-    #[error("the certificate's prices or mixture are negative, do not add up to one or name what does not exist")]
+    #[error(
+        "the certificate's prices or mixture are negative, do not add up to one, or name something that does not exist"
+    )]
     Prices,
     /// The refutation does not refute.
-    #[error("the bound for {count} poses does not exclude that they reach the accuracy")]
+    #[error("the bound for {count} poses does not rule out that they reach the accuracy")]
     Refutation {
         /// The number of poses.
         count: usize,
@@ -96,13 +98,13 @@ pub enum BrokenConstraint {
         id: usize,
     },
     /// A pose is forbidden.
-    #[error("pose {id} is forbidden, by itself or by a region of `constraints.keep_out`")]
+    #[error("pose {id} is forbidden, by its id or by a region of `constraints.keep_out`")]
     Forbidden {
         /// The pose's id.
         id: usize,
     },
     /// A group has too many.
-    #[error("{count} of them are in group \"{group}\", which may have {most}")]
+    #[error("{count} of them are in group \"{group}\", which may have at most {most}")]
     Crowded {
         /// The group's name.
         group: String,
@@ -112,7 +114,7 @@ pub enum BrokenConstraint {
         most: usize,
     },
     /// Two are too close.
-    #[error("poses {first} and {second} are closer to each other than the least separation")]
+    #[error("poses {first} and {second} are closer together than the minimum separation")]
     Close {
         /// One pose's id.
         first: usize,

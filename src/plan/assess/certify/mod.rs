@@ -105,7 +105,7 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
     same("the version", version, &Plan::VERSION)?;
     same("the problem's name", name, &problem.name)?;
     same("the problem's hash", sha256, &problem.sha256)?;
-    alike("what is given in place of the problem file's values", set, &problem.overrides.of_results())?;
+    alike("the list of values that replace the problem file's", set, &problem.overrides.of_results())?;
     plan.fit(problem)?;
     let selected = plan.places(survey)?;
     let goal = &problem.selection.goal;

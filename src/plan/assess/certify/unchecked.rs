@@ -14,11 +14,12 @@ pub struct Unchecked {
 }
 
 /// What made the plan: nothing depends on it.
-pub(crate) const MADE_BY: &str = "tells which version made the plan; what is proven of it does not depend on that";
+pub(crate) const MADE_BY: &str =
+    "names the version that made the plan; what is proven about the plan does not depend on it";
 /// What a search says of itself.
-pub(crate) const EFFORT: &str = "tells of a search's effort, which only the search repeats";
+pub(crate) const EFFORT: &str = "describes the effort of a search, which only the search can reproduce";
 /// What a search claims.
-pub(crate) const BY_SEARCH: &str = "was found by search, which `calipose plan` repeats; the matrix proves less";
+pub(crate) const BY_SEARCH: &str = "was found by search, which only `calipose plan` can repeat; the matrix proves less";
 
 impl Unchecked {
     pub(crate) fn all(fields: &[&str], reason: &'static str) -> Vec<Self> {

@@ -12,7 +12,7 @@ const MOST_ROUNDS: usize = 300;
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum ClusteringError {
     /// A point is not of as many finite coordinates as the first.
-    #[error("k-means needs points of equally many finite coordinates; point {point}, counted from 0, is not")]
+    #[error("k-means needs points with the same number of finite coordinates; point {point}, counted from 0, differs")]
     Point {
         /// The point.
         point: usize,

@@ -77,14 +77,14 @@ pub enum PlanReadError {
     #[error("not a plan: {0}")]
     Json(serde_json::Error),
     /// It is another kind of document.
-    #[error("the key `format` is \"{found}\"; a plan says \"{}\"", Plan::FORMAT)]
+    #[error("the key `format` is \"{found}\"; in a plan it is \"{}\"", Plan::FORMAT)]
     Format {
         /// What it says.
         found: String,
     },
     /// It is of an older version.
     #[error(
-        "the plan is of version {found}, made by an older calipose; this one reads version {}: make a new plan",
+        "the plan has version {found}, made by an older calipose; this one reads version {}: make a new plan",
         Plan::VERSION
     )]
     Older {
@@ -92,7 +92,7 @@ pub enum PlanReadError {
         found: u64,
     },
     /// It is of no version that is known.
-    #[error("the plan is of version {found}; this calipose reads version {}", Plan::VERSION)]
+    #[error("the plan has version {found}; this calipose reads version {}", Plan::VERSION)]
     Version {
         /// What it says.
         found: String,

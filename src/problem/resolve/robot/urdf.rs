@@ -139,7 +139,9 @@ impl Check<'_, '_> {
                     let bounds = [bounds.min, bounds.max].map(|bound| file_unit(kind, bound));
                     if exceed.value.contains(name) {
                         let [low, high] = bounds;
-                        let text = format!("goes beyond the URDF's range from {low} to {high}, as is said to be meant");
+                        let text = format!(
+                            "goes beyond the URDF's range from {low} to {high}, as `exceed_urdf_limits` allows"
+                        );
                         self.note(&range.path, text);
                     } else {
                         let (joint, soft) = (name.clone(), ranges[joint].is_softened());
@@ -166,7 +168,7 @@ impl Check<'_, '_> {
         let mut told = Vec::new();
         for (link, error) in stuck {
             if !way.contains(&link) {
-                self.note(&urdf.path, format!("{error}. It is off the arm and stands as at 0"));
+                self.note(&urdf.path, format!("{error}. It is off the arm and is held at 0"));
             } else if !told.contains(&error) {
                 // A joint that mimics a stuck one is stuck for the same reason.
                 let reason = Reason::RobotFile { path: path.to_owned(), error: error.clone().into() };
@@ -262,9 +264,9 @@ fn softened(joint: &Joint, range: &StatedRange) -> String {
     let between = |Limits { min, max }: Limits| {
         format!("{}{unit} to {}{unit}", file_unit(joint.kind, min), file_unit(joint.kind, max))
     };
-    let limit = range.limit.map(|limit| format!(", tighter than its limits from {}", between(limit)));
+    let limit = range.limit.map(|limit| format!(", which are tighter than its limits from {}", between(limit)));
     let (name, limit) = (&joint.name, limit.unwrap_or_default());
-    format!("joint \"{name}\" moves from {}, as its safety controller lets it{limit}", between(joint.limits))
+    format!("joint \"{name}\" moves from {}, the soft limits of its safety controller{limit}", between(joint.limits))
 }
 
 /// The joint's limits in the file's unit, to a thousandth.
