@@ -1,0 +1,239 @@
+/** The window on the scene: canvas, camera, orbiting by mouse, touch and keys, labels, and what is under the pointer. */
+import { PerspectiveCamera, Quaternion, Vector3, WebGLRenderer } from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { element } from "./elements.js";
+
+const FIELD_OF_VIEW_DEG = 32;
+/** A click chooses the pose within this many CSS pixels. */
+const REACH_PX = 22;
+/** A pointer that went further than this, in CSS pixels, has turned the view and clicked nothing. */
+const CLICK_PX = 5;
+const STEP_RAD = Math.PI / 24;
+
+export class View {
+  /**
+   * @param {HTMLElement} frame which the canvas fills
+   * @param {import("./scene.js").Stage} stage
+   * @throws where the browser has no WebGL
+   */
+  constructor(frame, stage) {
+    this.stage = stage;
+    this.frame = frame;
+    this.canvas = element("canvas", { tabIndex: 0, role: "application", "aria-label": "3-D view of the arm and its poses" });
+    const context = this.canvas.getContext("webgl2", { antialias: true, alpha: true });
+    if (!context) throw new Error("no WebGL 2");
+    this.renderer = new WebGLRenderer({ canvas: this.canvas, context, antialias: true, alpha: true });
+    this.renderer.debug.checkShaderErrors = false;
+    this.renderer.setClearColor(0, 0);
+    this.overlay = element("div", { className: "labels", "aria-hidden": "true" });
+    frame.append(this.canvas, this.overlay);
+
+    this.camera = new PerspectiveCamera(FIELD_OF_VIEW_DEG, 1, 0.01, 100);
+    this.camera.up.copy(stage.up);
+    this.orbit = new OrbitControls(this.camera, this.canvas);
+    this.orbit.zoomToCursor = true;
+    // The wheel scrolls the page until the view has the focus.
+    this.orbit.enableZoom = false;
+    this.canvas.addEventListener("focus", () => (this.orbit.enableZoom = true));
+    this.canvas.addEventListener("blur", () => (this.orbit.enableZoom = false));
+    this.orbit.addEventListener("change", () => this.requestRender());
+    this.canvas.addEventListener("webglcontextrestored", () => this.requestRender());
+
+    this.pending = 0;
+    /** @type {{at: () => Vector3, node: HTMLElement, id: string | null}[]} */
+    this.labels = [];
+    this.#resize();
+    this.home();
+    new ResizeObserver(() => this.#resize()).observe(frame);
+  }
+
+  /** Draws before the next repaint; there is no endless loop. */
+  requestRender() {
+    this.pending ||= requestAnimationFrame(() => this.render());
+  }
+
+  /** Draws now. */
+  render() {
+    cancelAnimationFrame(this.pending);
+    this.pending = 0;
+    this.renderer.render(this.stage.scene, this.camera);
+    this.#placeLabels();
+  }
+
+  /** Waits until what was drawn is there: reading a pixel takes that long. */
+  finish() {
+    const gl = this.renderer.getContext();
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+  }
+
+  /**
+   * A text at a point of the scene.
+   *
+   * @param {string} text
+   * @param {string} className
+   * @param {() => Vector3} at
+   * @param {string | null} id of the pose, where it is one's
+   */
+  addLabel(text, className, at, id = null) {
+    const node = element("span", { className, textContent: text });
+    this.overlay.append(node);
+    this.labels.push({ at, node, id });
+    return node;
+  }
+
+  /** Shows the whole scene from the printed side of the board, from a little above. */
+  home() {
+    const { board } = this.stage.data;
+    const { up } = this.stage;
+    const printed = new Vector3(0, 0, 1).applyQuaternion(new Quaternion(...board.pose.quaternion_xyzw));
+    let front = printed.projectOnPlane(up);
+    // A board that lies flat is looked at over the arm's shoulder.
+    if (front.length() < 0.3) front = new Vector3(...board.pose.position_m).negate().projectOnPlane(up);
+    if (front.length() < 1e-6) front = new Vector3(1, 0, 0).projectOnPlane(up);
+    if (front.length() < 1e-6) front = new Vector3(0, 1, 0).projectOnPlane(up);
+    const direction = front.normalize().applyAxisAngle(up, 0.95).addScaledVector(up, 0.5).normalize();
+    this.#fit(this.stage.extent(), direction);
+  }
+
+  /** Looks along `-direction` from where all points are just inside. */
+  #fit(/** @type {Vector3[]} */ points, /** @type {Vector3} */ direction) {
+    const right = new Vector3().crossVectors(this.stage.up, direction).normalize();
+    const top = new Vector3().crossVectors(direction, right);
+    const axes = [right, top, direction];
+    const spans = axes.map((axis) => {
+      const along = points.map((point) => point.dot(axis));
+      return [least(along), -least(along.map((value) => -value))];
+    });
+    const centre = new Vector3();
+    axes.forEach((axis, i) => centre.addScaledVector(axis, (spans[i][0] + spans[i][1]) / 2));
+    const slope = Math.tan((FIELD_OF_VIEW_DEG * Math.PI) / 360) * 0.92;
+    const distance = -least(
+      points.map((point) => {
+        const from = point.clone().sub(centre);
+        const wide = Math.max(Math.abs(from.dot(right)) / this.camera.aspect, Math.abs(from.dot(top)));
+        return -(wide / slope + from.dot(direction));
+      }),
+    );
+    this.orbit.target.copy(centre);
+    this.camera.position.copy(centre).addScaledVector(direction, distance);
+    this.camera.near = distance / 100;
+    this.camera.far = distance * 20;
+    this.camera.updateProjectionMatrix();
+    this.orbit.minDistance = distance / 20;
+    this.orbit.maxDistance = distance * 4;
+    this.orbit.update();
+    this.requestRender();
+  }
+
+  /** Turns around the target: to the side about the vertical, and up or down. Angles in rad. */
+  turn(/** @type {number} */ side, /** @type {number} */ rise) {
+    const { up } = this.stage;
+    const offset = this.camera.position.clone().sub(this.orbit.target).applyAxisAngle(up, side);
+    const polar = offset.angleTo(up);
+    const next = Math.min(Math.max(polar - rise, 0.05), Math.PI - 0.05);
+    offset.applyAxisAngle(new Vector3().crossVectors(up, offset).normalize(), next - polar);
+    this.camera.position.copy(this.orbit.target).add(offset);
+    this.orbit.update();
+  }
+
+  zoom(/** @type {number} */ factor) {
+    const offset = this.camera.position.clone().sub(this.orbit.target).multiplyScalar(factor);
+    offset.clampLength(this.orbit.minDistance, this.orbit.maxDistance);
+    this.camera.position.copy(this.orbit.target).add(offset);
+    this.orbit.update();
+  }
+
+  /** Shifts by parts of the distance from the target. */
+  pan(/** @type {number} */ right, /** @type {number} */ up) {
+    const distance = this.camera.position.distanceTo(this.orbit.target);
+    const shift = new Vector3(right * distance, up * distance, 0).applyQuaternion(this.camera.quaternion);
+    this.camera.position.add(shift);
+    this.orbit.target.add(shift);
+    this.orbit.update();
+  }
+
+  /** Keys that move the view; true where the key was one of them. */
+  key(/** @type {KeyboardEvent} */ event) {
+    const { key, shiftKey } = event;
+    const [x, y] = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[key] ?? [0, 0];
+    if (x || y) shiftKey ? this.pan(0.05 * x, 0.05 * y) : this.turn(STEP_RAD * x, STEP_RAD * y);
+    else if (key === "+" || key === "=") this.zoom(1 / 1.15);
+    else if (key === "-" || key === "_") this.zoom(1.15);
+    else if (key === "h" || key === "Home") this.home();
+    else return false;
+    return true;
+  }
+
+  /** Where a point of the scene is in the window, in CSS pixels from the viewport's corner. */
+  project(/** @type {Vector3} */ point) {
+    const { x, y, z } = point.clone().project(this.camera);
+    const box = this.canvas.getBoundingClientRect();
+    return { x: box.left + ((x + 1) / 2) * box.width, y: box.top + ((1 - y) / 2) * box.height, inFront: z < 1 };
+  }
+
+  /** The pose whose camera is within reach of a place in the window, by its id, or null. */
+  poseAt(/** @type {number} */ x, /** @type {number} */ y) {
+    let best = { id: /** @type {string | null} */ (null), away: REACH_PX };
+    for (const [id, group] of this.stage.frustums) {
+      const at = this.project(group.position);
+      const away = Math.hypot(at.x - x, at.y - y);
+      if (at.inFront && away < best.away) best = { id, away };
+    }
+    return best.id;
+  }
+
+  /**
+   * @param {(id: string) => void} clicked a pose was clicked
+   * @param {(id: string | null) => void} near the pointer is near a pose's camera, or no longer
+   */
+  onPointer(clicked, near) {
+    /** @type {PointerEvent | null} */
+    let down = null;
+    let last = null;
+    const pointAt = (/** @type {string | null} */ id) => {
+      if (id === last) return;
+      this.canvas.style.cursor = id === null ? "" : "pointer";
+      near((last = id));
+    };
+    this.canvas.addEventListener("pointerdown", (event) => {
+      down = event;
+      this.canvas.focus({ preventScroll: true });
+    });
+    this.canvas.addEventListener("pointerup", (event) => {
+      const still = down && Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) <= CLICK_PX;
+      down = null;
+      const id = still ? this.poseAt(event.clientX, event.clientY) : null;
+      if (id !== null) clicked(id);
+    });
+    this.canvas.addEventListener("pointermove", (event) => {
+      if (event.buttons === 0) pointAt(this.poseAt(event.clientX, event.clientY));
+    });
+    this.canvas.addEventListener("pointerleave", () => pointAt(null));
+  }
+
+  #placeLabels() {
+    const [width, height] = [this.frame.clientWidth, this.frame.clientHeight];
+    for (const { at, node } of this.labels) {
+      const { x, y, z } = at().clone().project(this.camera);
+      const inside = z < 1 && Math.abs(x) < 0.99 && Math.abs(y) < 0.99;
+      node.style.visibility = inside ? "" : "hidden";
+      node.style.transform = `translate(${((x + 1) / 2) * width}px, ${((1 - y) / 2) * height}px)`;
+    }
+  }
+
+  #resize() {
+    const [width, height] = [this.frame.clientWidth, this.frame.clientHeight];
+    if (!width || !height) return;
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    // Drawn in this very frame: a canvas of a new size is empty.
+    this.render();
+  }
+}
+
+/** Smallest of many values; the arguments of `Math.min` are limited. */
+function least(/** @type {number[]} */ values) {
+  return values.reduce((a, b) => Math.min(a, b), Infinity);
+}
