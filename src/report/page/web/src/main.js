@@ -5,6 +5,7 @@ import { Choice, linkElements, nameMarks, onHover } from "./choose.js";
 import { Controls } from "./controls.js";
 import { forwardKinematics } from "./kinematics.js";
 import { Motion } from "./motion.js";
+import { offerToPrinter } from "./print.js";
 import { Stage } from "./scene.js";
 import { equipTables } from "./tables.js";
 import { readTheme } from "./theme.js";
@@ -91,6 +92,7 @@ function show(/** @type {any} */ data, /** @type {Choice} */ choice, /** @type {
     view.requestRender();
   };
   window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", retint);
+  offerToPrinter(view, retint);
 
   view.render();
   view.finish();

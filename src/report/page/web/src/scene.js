@@ -55,6 +55,7 @@ export class Stage {
     this.#poses();
     this.#views();
     this.showConfiguration(data.poses[0]?.joints ?? data.joints.map(() => 0), this.distance);
+    this.extent = this.#extent();
     this.#ground();
     this.show("bodies", true);
   }
@@ -120,7 +121,7 @@ export class Stage {
   }
 
   /** Points that a view of everything must have inside. @returns {Vector3[]} */
-  extent() {
+  #extent() {
     const { board, views, poses } = this.data;
     const half = [(board.columns + 1) * board.square_m * 0.6, (board.rows + 1) * board.square_m * 0.6];
     const points = [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([x, y]) =>
@@ -131,7 +132,9 @@ export class Stage {
       const at = forwardKinematics(this.data, pose.joints);
       points.push(pose.camera.position_m);
       at.links.forEach((link, i) => !this.data.links[i].obstacle && points.push(link.position_m));
-      for (const solid of this.data.solids) points.push(...roughExtent(solid, at.links[solid.link]));
+      this.data.solids.forEach((/** @type {any} */ { link }, /** @type {number} */ i) => {
+        for (const corner of this.solidCorners[i]) points.push(transform(at.links[link], corner));
+      });
     }
     return points.map((point) => new Vector3(...point));
   }
@@ -140,11 +143,8 @@ export class Stage {
   applyTheme(/** @type {Theme} */ theme) {
     const m = this.materials;
     m.body.color.copy(theme.body);
-    m.bodyFaceted.color.copy(theme.body);
     m.otherBody.color.copy(theme["body-other"]);
-    m.otherBodyFaceted.color.copy(theme["body-other"]);
     m.obstacle.color.copy(theme.obstacle);
-    m.obstacleFaceted.color.copy(theme.obstacle);
     m.edge.color.copy(theme.ink);
     m.bone.color.copy(theme.body);
     m.knob.color.copy(theme.accent);
@@ -179,16 +179,19 @@ export class Stage {
     this.armSolids = 0;
     /** @type {Group[]} solids that "bodies" hides: all but the obstacles */
     this.ownSolids = [];
+    /** @type {number[][][]} of every solid, in its link's frame */
+    this.solidCorners = [];
     const moves = this.data.links.map(() => false);
     this.data.links.forEach((/** @type {any} */ link, /** @type {number} */ i) => {
       moves[i] = link.motion !== null || (link.parent !== null && moves[link.parent]);
     });
     for (const { link, pose, shape } of this.data.solids) {
       const surface = solidGeometry(shape);
+      this.solidCorners.push(boxAround(surface, pose));
       const obstacle = this.data.links[link].obstacle;
-      const kind = obstacle ? "obstacle" : link % 2 ? "otherBody" : "body";
+      const { obstacle: standing, body, otherBody } = this.materials;
       const group = new Group();
-      group.add(new Mesh(surface, this.materials[surface.hasAttribute("normal") ? kind : `${kind}Faceted`]));
+      group.add(new Mesh(surface, obstacle ? standing : link % 2 ? otherBody : body));
       const edges = sharpEdges(shape, surface);
       if (edges) group.add(new LineSegments(edges, this.materials.edge));
       place(group, pose);
@@ -253,7 +256,7 @@ export class Stage {
       group.add(new LineSegments(this.frustumGeometry.edgesWithGable, frustumLine));
       group.add(new Mesh(this.frustumGeometry.sides, fill));
       place(group, pose.camera);
-      group.scale.setScalar(0.12 * this.distance);
+      group.scale.setScalar(0.15 * this.distance);
       this.frustums.set(String(pose.id), group);
     }
   }
@@ -293,7 +296,7 @@ export class Stage {
   /** The grid through the root's origin, level, and the axes of the base frame. */
   #ground() {
     const root = this.links[0].position;
-    const reach = Math.max(...this.extent().map((point) => point.clone().sub(root).projectOnPlane(this.up).length()));
+    const reach = Math.max(...this.extent.map((point) => point.clone().sub(root).projectOnPlane(this.up).length()));
     this.spacing = roundSpacing(reach / 5);
     const count = Math.ceil(reach / this.spacing);
     const lines = this.#add(new LineSegments(grid(this.spacing, count), this.materials.grid));
@@ -314,26 +317,22 @@ export class Stage {
 
 function makeMaterials() {
   const lit = (options = {}) => new MeshLambertMaterial(options);
-  const faceted = () => lit({ flatShading: true });
   const line = (opacity = 1) => new LineBasicMaterial({ transparent: opacity < 1, opacity });
   const glass = (/** @type {number} */ opacity) =>
     new MeshBasicMaterial({ transparent: true, opacity, side: DoubleSide, depthWrite: false });
   const disc = discTexture();
   return {
     body: lit(),
-    bodyFaceted: faceted(),
     otherBody: lit(),
-    otherBodyFaceted: faceted(),
     obstacle: lit(),
-    obstacleFaceted: faceted(),
     edge: line(0.35),
     bone: lit(),
     knob: lit(),
     camera: lit(),
-    beam: glass(0.14),
+    beam: glass(0.1),
     beamLine: line(),
     frustum: glass(0.06),
-    frustumLine: line(0.5),
+    frustumLine: line(0.75),
     frustumNear: line(),
     paper: lit(),
     // The squares lie in the plate's surface: the offset draws them before it.
@@ -376,28 +375,13 @@ function stretch(tube, from, to, radius) {
   tube.scale.set(radius, radius, length);
 }
 
-/** The corners of a box around a solid, in the frame of which its link's pose is given. */
-function roughExtent(/** @type {any} */ solid, /** @type {Pose} */ link) {
-  const { shape } = solid;
-  const radius = shape.radius_m ?? 0;
-  let low;
-  let high;
-  if (shape.kind === "mesh") {
-    low = [Infinity, Infinity, Infinity];
-    high = low.map((value) => -value);
-    shape.vertices_m.forEach((/** @type {number} */ value, /** @type {number} */ i) => {
-      low[i % 3] = Math.min(low[i % 3], value);
-      high[i % 3] = Math.max(high[i % 3], value);
-    });
-  } else {
-    const along = shape.kind === "capsule" ? shape.length_m / 2 + radius : (shape.length_m ?? 2 * radius) / 2;
-    high = shape.kind === "box" ? shape.size_m.map((/** @type {number} */ size) => size / 2) : [radius, radius, along];
-    low = high.map((/** @type {number} */ value) => -value);
-  }
-  return [0, 1, 2, 3, 4, 5, 6, 7].map((corner) => {
-    const point = [0, 1, 2].map((axis) => ((corner >> axis) & 1 ? high[axis] : low[axis]));
-    return transform(link, transform(solid.pose, point));
-  });
+/** The corners of a box around a solid, in its link's frame. */
+function boxAround(/** @type {import("three").BufferGeometry} */ surface, /** @type {Pose} */ pose) {
+  surface.computeBoundingBox();
+  const { min, max } = surface.boundingBox;
+  return [0, 1, 2, 3, 4, 5, 6, 7].map((corner) =>
+    transform(pose, [corner & 1 ? max.x : min.x, corner & 2 ? max.y : min.y, corner & 4 ? max.z : min.z]),
+  );
 }
 
 /** 1, 2 or 5 times a power of ten, not above `length` by more than it must be. */

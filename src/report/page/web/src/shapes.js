@@ -20,7 +20,7 @@ export function geometryOf(/** @type {ArrayLike<number>} */ coordinates, /** @ty
   return geometry;
 }
 
-/** The surface of a solid; `faceted` where it has no normals of its own. */
+/** The surface of a solid; the triangles of a mesh are flat, whatever its vertices share. */
 export function solidGeometry(/** @type {any} */ shape) {
   switch (shape.kind) {
     case "box":
@@ -32,14 +32,17 @@ export function solidGeometry(/** @type {any} */ shape) {
       return new CylinderGeometry(shape.radius_m, shape.radius_m, shape.length_m, 40).rotateX(Math.PI / 2);
     case "capsule":
       return new CapsuleGeometry(shape.radius_m, shape.length_m, 10, 32).rotateX(Math.PI / 2);
-    default:
-      return geometryOf(shape.vertices_m, shape.triangles);
+    default: {
+      const flat = geometryOf(shape.vertices_m, shape.triangles).toNonIndexed();
+      flat.computeVertexNormals();
+      return flat;
+    }
   }
 }
 
 /** The sharp edges of a solid, or null where there are none or too much to look at. */
 export function sharpEdges(/** @type {any} */ shape, /** @type {BufferGeometry} */ surface) {
-  const triangles = (surface.index?.count ?? 0) / 3;
+  const triangles = (surface.index ?? surface.getAttribute("position")).count / 3;
   const smooth = shape.kind === "sphere" || shape.kind === "capsule";
   return smooth || triangles > EDGES_UP_TO_TRIANGLES ? null : new EdgesGeometry(surface, 35);
 }

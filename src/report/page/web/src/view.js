@@ -1,14 +1,13 @@
-/** The window on the scene: canvas, camera, orbiting by mouse, touch and keys, labels, and what is under the pointer. */
+/** The window on the scene: canvas, camera, labels, and what is under the pointer. */
 import { PerspectiveCamera, Quaternion, Vector3, WebGLRenderer } from "three";
-import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { element } from "./elements.js";
+import { Orbit } from "./orbit.js";
 
 const FIELD_OF_VIEW_DEG = 32;
 /** A click chooses the pose within this many CSS pixels. */
 const REACH_PX = 22;
 /** A pointer that went further than this, in CSS pixels, has turned the view and clicked nothing. */
 const CLICK_PX = 5;
-const STEP_RAD = Math.PI / 24;
 
 export class View {
   /**
@@ -30,21 +29,17 @@ export class View {
 
     this.camera = new PerspectiveCamera(FIELD_OF_VIEW_DEG, 1, 0.01, 100);
     this.camera.up.copy(stage.up);
-    this.orbit = new OrbitControls(this.camera, this.canvas);
-    this.orbit.zoomToCursor = true;
-    // The wheel scrolls the page until the view has the focus.
-    this.orbit.enableZoom = false;
-    this.canvas.addEventListener("focus", () => (this.orbit.enableZoom = true));
-    this.canvas.addEventListener("blur", () => (this.orbit.enableZoom = false));
-    this.orbit.addEventListener("change", () => this.requestRender());
+    this.orbit = new Orbit(this.camera, this.canvas, () => this.requestRender());
     this.canvas.addEventListener("webglcontextrestored", () => this.requestRender());
 
     this.pending = 0;
+    this.size = "";
     /** @type {{at: () => Vector3, node: HTMLElement, id: string | null}[]} */
     this.labels = [];
     this.#resize();
     this.home();
-    new ResizeObserver(() => this.#resize()).observe(frame);
+    // Drawn in this very frame: a canvas of a new size is empty.
+    new ResizeObserver(() => this.#resize() && this.render()).observe(frame);
   }
 
   /** Draws before the next repaint; there is no endless loop. */
@@ -92,7 +87,7 @@ export class View {
     if (front.length() < 1e-6) front = new Vector3(1, 0, 0).projectOnPlane(up);
     if (front.length() < 1e-6) front = new Vector3(0, 1, 0).projectOnPlane(up);
     const direction = front.normalize().applyAxisAngle(up, 0.95).addScaledVector(up, 0.5).normalize();
-    this.#fit(this.stage.extent(), direction);
+    this.#fit(this.stage.extent, direction);
   }
 
   /** Looks along `-direction` from where all points are just inside. */
@@ -114,53 +109,17 @@ export class View {
         return -(wide / slope + from.dot(direction));
       }),
     );
-    this.orbit.target.copy(centre);
-    this.camera.position.copy(centre).addScaledVector(direction, distance);
     this.camera.near = distance / 100;
     this.camera.far = distance * 20;
     this.camera.updateProjectionMatrix();
-    this.orbit.minDistance = distance / 20;
-    this.orbit.maxDistance = distance * 4;
-    this.orbit.update();
-    this.requestRender();
-  }
-
-  /** Turns around the target: to the side about the vertical, and up or down. Angles in rad. */
-  turn(/** @type {number} */ side, /** @type {number} */ rise) {
-    const { up } = this.stage;
-    const offset = this.camera.position.clone().sub(this.orbit.target).applyAxisAngle(up, side);
-    const polar = offset.angleTo(up);
-    const next = Math.min(Math.max(polar - rise, 0.05), Math.PI - 0.05);
-    offset.applyAxisAngle(new Vector3().crossVectors(up, offset).normalize(), next - polar);
-    this.camera.position.copy(this.orbit.target).add(offset);
-    this.orbit.update();
-  }
-
-  zoom(/** @type {number} */ factor) {
-    const offset = this.camera.position.clone().sub(this.orbit.target).multiplyScalar(factor);
-    offset.clampLength(this.orbit.minDistance, this.orbit.maxDistance);
-    this.camera.position.copy(this.orbit.target).add(offset);
-    this.orbit.update();
-  }
-
-  /** Shifts by parts of the distance from the target. */
-  pan(/** @type {number} */ right, /** @type {number} */ up) {
-    const distance = this.camera.position.distanceTo(this.orbit.target);
-    const shift = new Vector3(right * distance, up * distance, 0).applyQuaternion(this.camera.quaternion);
-    this.camera.position.add(shift);
-    this.orbit.target.add(shift);
-    this.orbit.update();
+    this.orbit.limits = [distance / 20, distance * 4];
+    this.orbit.look(centre.clone().addScaledVector(direction, distance), centre);
   }
 
   /** Keys that move the view; true where the key was one of them. */
   key(/** @type {KeyboardEvent} */ event) {
-    const { key, shiftKey } = event;
-    const [x, y] = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[key] ?? [0, 0];
-    if (x || y) shiftKey ? this.pan(0.05 * x, 0.05 * y) : this.turn(STEP_RAD * x, STEP_RAD * y);
-    else if (key === "+" || key === "=") this.zoom(1 / 1.15);
-    else if (key === "-" || key === "_") this.zoom(1.15);
-    else if (key === "h" || key === "Home") this.home();
-    else return false;
+    if (event.key !== "h" && event.key !== "H" && event.key !== "Home") return this.orbit.key(event);
+    this.home();
     return true;
   }
 
@@ -195,10 +154,7 @@ export class View {
       this.canvas.style.cursor = id === null ? "" : "pointer";
       near((last = id));
     };
-    this.canvas.addEventListener("pointerdown", (event) => {
-      down = event;
-      this.canvas.focus({ preventScroll: true });
-    });
+    this.canvas.addEventListener("pointerdown", (event) => (down = event));
     this.canvas.addEventListener("pointerup", (event) => {
       const still = down && Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) <= CLICK_PX;
       down = null;
@@ -212,24 +168,28 @@ export class View {
   }
 
   #placeLabels() {
-    const [width, height] = [this.frame.clientWidth, this.frame.clientHeight];
     for (const { at, node } of this.labels) {
       const { x, y, z } = at().clone().project(this.camera);
       const inside = z < 1 && Math.abs(x) < 0.99 && Math.abs(y) < 0.99;
       node.style.visibility = inside ? "" : "hidden";
-      node.style.transform = `translate(${((x + 1) / 2) * width}px, ${((1 - y) / 2) * height}px)`;
+      // In parts of the frame, which has another size on paper.
+      node.style.left = `${50 * (x + 1)}%`;
+      node.style.top = `${50 * (1 - y)}%`;
     }
   }
 
+  /** Fits the canvas to its frame; false where it does already. */
   #resize() {
     const [width, height] = [this.frame.clientWidth, this.frame.clientHeight];
-    if (!width || !height) return;
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    const ratio = Math.min(window.devicePixelRatio, 2);
+    const size = `${width} ${height} ${ratio}`;
+    if (!width || !height || size === this.size) return false;
+    this.size = size;
+    this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
-    // Drawn in this very frame: a canvas of a new size is empty.
-    this.render();
+    return true;
   }
 }
 
