@@ -92,6 +92,15 @@ async function changesPicture(page, act, what, changed = true) {
   (changed ? assert.notEqual : assert.equal)((await picture(page)).digest, before, `${what}: the canvas's picture`);
 }
 
+/** Where the camera of a pose is in the window, of one that is not chosen and whose camera is farthest from the others. */
+async function cameraInView(page) {
+  await page.locator("#view3d [role=application]").scrollIntoViewIfNeeded();
+  const spots = await page.evaluate(() => window.caliposeReport.poses.map(({ id }) => ({ id, ...window.caliposeReport.project(id) })));
+  const now = await chosen(page);
+  const alone = (spot) => Math.min(...spots.filter((other) => other !== spot).map((other) => Math.hypot(other.x - spot.x, other.y - spot.y)));
+  return spots.filter(({ id }) => String(id) !== now).reduce((best, each) => (alone(each) > alone(best) ? each : best));
+}
+
 /** The pose, its panel alone and its row are shown as chosen. */
 async function assertChosen(page, id, by) {
   assert.equal(await chosen(page), id, `${by}: the chosen pose`);
@@ -187,11 +196,7 @@ await check("a plot's mark chooses its pose", async () => {
 });
 
 await check("a click on a camera in the 3-D view chooses its pose", async () => {
-  await page.locator("#view3d [role=application]").scrollIntoViewIfNeeded();
-  const spots = await page.evaluate(() => window.caliposeReport.poses.map(({ id }) => ({ id, ...window.caliposeReport.project(id) })));
-  const now = await chosen(page);
-  const alone = (spot) => Math.min(...spots.filter((other) => other !== spot).map((other) => Math.hypot(other.x - spot.x, other.y - spot.y)));
-  const spot = spots.filter(({ id }) => String(id) !== now).reduce((best, each) => (alone(each) > alone(best) ? each : best));
+  const spot = await cameraInView(page);
   await page.mouse.click(spot.x, spot.y);
   await assertChosen(page, String(spot.id), "camera");
 });
@@ -418,10 +423,38 @@ await check("a phone's window, 360 px wide, shows everything; wide tables scroll
     return told;
   });
   assert.deepEqual(faults, []);
-  const spot = await one.evaluate(() => window.caliposeReport.project(window.caliposeReport.poses[1].id));
   const { colours } = await picture(one);
-  assert(colours > 100 && spot.x > 0 && spot.x < PHONE.width, "the view on the phone");
+  assert(colours > 100, `${colours} colours`);
   await close(one);
+});
+
+await check("fingers choose a pose, turn the view and zoom it", async () => {
+  const one = await openView({ viewport: PHONE, hasTouch: true, isMobile: true });
+  const spot = await cameraInView(one);
+  await one.touchscreen.tap(spot.x, spot.y);
+  await assertChosen(one, String(spot.id), "tap");
+  const box = await one.locator("#view3d [role=application]").boundingBox();
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  const screen = await one.context().newCDPSession(one);
+  const touch = (type, ...touchPoints) => screen.send("Input.dispatchTouchEvent", { type, touchPoints });
+  await changesPicture(one, async () => {
+    await touch("touchStart", { x, y });
+    for (const dx of [20, 40, 60]) await touch("touchMove", { x: x + dx, y });
+    await touch("touchEnd");
+  }, "one finger");
+  const size = () => one.evaluate(() => {
+    const spots = window.caliposeReport.poses.map(({ id }) => window.caliposeReport.project(id));
+    return Math.max(...spots.map((spot) => spot.x)) - Math.min(...spots.map((spot) => spot.x));
+  });
+  const before = await size();
+  const pair = (away) => [{ x: x - away, y, id: 0 }, { x: x + away, y, id: 1 }];
+  await touch("touchStart", ...pair(30));
+  for (const away of [35, 40, 45]) await touch("touchMove", ...pair(away));
+  await touch("touchEnd");
+  const factor = (await size()) / before;
+  assert(factor > 1.3 && factor < 1.9, `fingers 1.5 times as far apart give a picture ${factor} times as large`);
+  await close(one);
+  return `fingers 1.5 times as far apart: ${factor.toFixed(2)} times as large`;
 });
 
 await check("without JavaScript there are the tables, the plots and all panels", async () => {

@@ -23,43 +23,45 @@ export class Controls {
   constructor(section, data, choice) {
     this.data = data;
     this.choice = choice;
+    /** Of the playing, or 0; `stepping` while it makes a step. */
     this.timer = 0;
+    this.stepping = false;
     this.frame = element("div", { className: "frame" });
     this.status = element("p", { className: "status", role: "status", "aria-live": "polite" });
     this.list = element("select", { "aria-label": "Pose" });
     for (const pose of data.poses) {
       this.list.append(element("option", { value: String(pose.id), textContent: `Pose ${pose.label} · ${pose.id}` }));
     }
-    this.list.addEventListener("change", () => this.#byHand(() => choice.choose(this.list.value)));
+    this.list.addEventListener("change", () => choice.choose(this.list.value));
     this.player = button("Play", "Show the poses one after the other", () => this.play(!this.timer));
     this.player.setAttribute("aria-pressed", "false");
     this.homeButton = button("Whole scene", "Show the whole scene again (H)", () => {});
     this.toggles = element("div", { className: "toggles", role: "group", "aria-label": "Shown" });
     this.bar = element("div", { className: "bar" },
       element("div", { className: "stepper", role: "group", "aria-label": "Poses" },
-        button("‹", "Previous pose (P)", () => this.step(-1)),
+        button("‹", "Previous pose (P)", () => choice.step(-1)),
         this.list,
-        button("›", "Next pose (N)", () => this.step(1)),
+        button("›", "Next pose (N)", () => choice.step(1)),
         this.player,
       ),
       this.homeButton,
       this.toggles,
     );
-    section.append(this.status, this.frame, this.bar, help());
+    section.append(this.status, this.frame, this.bar, element("p", { className: "help", id: "view3d-help" }, HELP));
     section.hidden = false;
     choice.onChange((id) => this.#show(id));
   }
 
-  /** Shows the pose `by` places on, at the reader's wish. */
-  step(/** @type {number} */ by) {
-    this.#byHand(() => this.choice.step(by));
-  }
-
-  /** Steps by itself from pose to pose, or no longer. */
+  /** Steps by itself from pose to pose, or no longer; a choice by the reader ends it too. */
   play(/** @type {boolean} */ on) {
+    const step = () => {
+      this.stepping = true;
+      this.choice.step(1);
+      this.stepping = false;
+    };
     clearInterval(this.timer);
-    this.timer = on ? window.setInterval(() => this.choice.step(1), PLAY_MS) : 0;
-    if (on) this.choice.step(1);
+    this.timer = on ? window.setInterval(step, PLAY_MS) : 0;
+    if (on) step();
     this.player.textContent = on ? "Pause" : "Play";
     this.player.setAttribute("aria-pressed", String(on));
   }
@@ -73,17 +75,17 @@ export class Controls {
 
   /** Keys of the view that are about poses; true where the key was one of them. */
   key(/** @type {KeyboardEvent} */ event) {
-    if (event.key === "n" || event.key === "N") this.step(1);
-    else if (event.key === "p" || event.key === "P") this.step(-1);
+    if (event.key === "n" || event.key === "N") this.choice.step(1);
+    else if (event.key === "p" || event.key === "P") this.choice.step(-1);
     else if (event.key === " ") this.play(!this.timer);
     else return false;
     return true;
   }
 
   /** What says which colour is which tilt, and how wide the grid's squares are. */
-  addLegend(/** @type {number[]} */ tilts, /** @type {number} */ spacing_m) {
+  addLegend(/** @type {number[] | null} */ tilts, /** @type {number} */ spacing_m) {
     const legend = element("div", { className: "legend" });
-    if (tilts[0] <= tilts[1]) {
+    if (tilts) {
       const [least, most] = tilts.map((tilt) => `${tilt.toFixed(0)}°`);
       legend.append(element("span", {}, "views by tilt ", least, " ", element("i", { className: "ramp" }), " ", most));
     }
@@ -98,14 +100,9 @@ export class Controls {
     for (const part of [this.homeButton, this.toggles]) part.hidden = true;
   }
 
-  /** The reader's choice ends the playing. */
-  #byHand(/** @type {() => void} */ act) {
-    if (this.timer) this.play(false);
-    act();
-  }
-
   #show(/** @type {string} */ id) {
     const pose = this.data.poses[this.choice.ids.indexOf(id)];
+    if (this.timer && !this.stepping) this.play(false);
     this.list.value = id;
     this.status.textContent = describe(pose, this.data.poses.length);
   }
@@ -115,11 +112,5 @@ function button(/** @type {string} */ text, /** @type {string} */ title, /** @ty
   const made = element("button", { type: "button", textContent: text, title });
   if (text.length < 2) made.setAttribute("aria-label", title);
   made.addEventListener("click", act);
-  return made;
-}
-
-function help() {
-  const made = element("p", { className: "help", id: "view3d-help" });
-  made.textContent = HELP;
   return made;
 }

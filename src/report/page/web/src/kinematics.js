@@ -12,7 +12,7 @@
 const IDENTITY = { position_m: [0, 0, 0], quaternion_xyzw: [0, 0, 0, 1] };
 
 /** Hamilton's product: the rotation `b` followed by `a`. */
-function multiply([ax, ay, az, aw], [bx, by, bz, bw]) {
+function multiply(/** @type {number[]} */ [ax, ay, az, aw], /** @type {number[]} */ [bx, by, bz, bw]) {
   return [
     aw * bx + ax * bw + ay * bz - az * by,
     aw * by - ax * bz + ay * bw + az * bx,
@@ -22,7 +22,7 @@ function multiply([ax, ay, az, aw], [bx, by, bz, bw]) {
 }
 
 /** The vector `v` turned by the unit quaternion `q`. */
-export function rotate([x, y, z, w], [vx, vy, vz]) {
+function rotate(/** @type {number[]} */ [x, y, z, w], /** @type {number[]} */ [vx, vy, vz]) {
   // v + 2 u × (u × v + w v) with u = (x, y, z)
   const cx = y * vz - z * vy + w * vx;
   const cy = z * vx - x * vz + w * vy;

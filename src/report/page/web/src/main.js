@@ -1,6 +1,7 @@
 /**
  * The script of a report. The page is whole without it; it adds the 3-D view and links it with tables, plots and pictures.
  */
+import { Vector3 } from "three";
 import { Choice, linkElements, nameMarks, onHover } from "./choose.js";
 import { Controls } from "./controls.js";
 import { forwardKinematics } from "./kinematics.js";
@@ -9,7 +10,7 @@ import { offerToPrinter } from "./print.js";
 import { Stage } from "./scene.js";
 import { equipTables } from "./tables.js";
 import { readTheme } from "./theme.js";
-import { View } from "./view.js";
+import { openCanvas, View } from "./view.js";
 
 document.documentElement.classList.add("js");
 start();
@@ -31,16 +32,14 @@ function start() {
 
 /** Builds the 3-D view and keeps it with the chosen pose. */
 function show(/** @type {any} */ data, /** @type {Choice} */ choice, /** @type {Controls} */ controls) {
-  const stage = new Stage(data);
-  stage.applyTheme(readTheme());
-  /** @type {View} */
-  let view;
-  try {
-    view = new View(controls.frame, stage);
-  } catch {
+  const { canvas, context } = openCanvas();
+  if (!context) {
     controls.refuse("The 3-D view needs WebGL 2, which this browser does not offer. Everything else of the report is here.");
     return;
   }
+  const stage = new Stage(data);
+  stage.tint(readTheme());
+  const view = new View(controls.frame, canvas, context, stage);
   const poseOf = (/** @type {string} */ id) => data.poses[choice.ids.indexOf(id)];
   const motion = new Motion(({ q, distance }) => {
     stage.showConfiguration(q, distance);
@@ -50,12 +49,12 @@ function show(/** @type {any} */ data, /** @type {Choice} */ choice, /** @type {
 
   labelPoses(data, stage, view);
   const setNear = (/** @type {string | null} */ id) => {
-    stage.setNear(id);
+    stage.cameras.setNear(id);
     for (const label of view.labels) label.node.classList.toggle("near", id !== null && label.id === id);
     view.requestRender();
   };
   const setChosen = (/** @type {string} */ id) => {
-    stage.setChosen(id);
+    stage.cameras.setChosen(id);
     for (const label of view.labels) label.node.classList.toggle("chosen", label.id === id);
   };
   setChosen(choice.id ?? "");
@@ -67,28 +66,31 @@ function show(/** @type {any} */ data, /** @type {Choice} */ choice, /** @type {
 
   onHover("pose", setNear);
   onHover("view", (id) => {
-    stage.markView(id);
+    stage.views.setMarked(id);
     view.requestRender();
   });
   view.onPointer((id) => choice.choose(id), setNear);
-  view.canvas.setAttribute("aria-describedby", "view3d-help");
-  view.canvas.addEventListener("keydown", (event) => {
+  canvas.setAttribute("aria-describedby", "view3d-help");
+  canvas.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     if (view.key(event) || controls.key(event)) event.preventDefault();
   });
   controls.homeButton.addEventListener("click", () => view.home());
-  const toggle = (/** @type {"views" | "frustums" | "bodies"} */ what) => (/** @type {boolean} */ shown) => {
-    stage.show(what, shown);
-    if (what === "frustums") view.overlay.classList.toggle("without-poses", !shown);
-    view.requestRender();
-  };
-  if (data.views.ids.length) controls.addToggle("Views swept", toggle("views"));
-  controls.addToggle("Frustums", toggle("frustums"));
-  if (stage.hasBodies) controls.addToggle("Bodies", toggle("bodies"));
-  controls.addLegend(stage.tilts, stage.spacing);
+  const toggle = (/** @type {string} */ label, /** @type {(shown: boolean) => void} */ act) =>
+    controls.addToggle(label, (shown) => {
+      act(shown);
+      view.requestRender();
+    });
+  if (stage.views.tilts) toggle("Views swept", (shown) => (stage.views.group.visible = shown));
+  toggle("Frustums", (shown) => {
+    stage.cameras.show(shown);
+    view.overlay.classList.toggle("without-poses", !shown);
+  });
+  if (stage.arm.hasBodies) toggle("Bodies", (shown) => stage.arm.showBodies(shown));
+  controls.addLegend(stage.views.tilts, stage.ground.spacing);
 
   const retint = () => {
-    stage.applyTheme(readTheme());
+    stage.tint(readTheme());
     view.requestRender();
   };
   window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", retint);
@@ -103,11 +105,9 @@ function show(/** @type {any} */ data, /** @type {Choice} */ choice, /** @type {
 /** Numbers beside the cameras, letters at the base frame's axes. */
 function labelPoses(/** @type {any} */ data, /** @type {Stage} */ stage, /** @type {View} */ view) {
   for (const pose of data.poses) {
-    const id = String(pose.id);
-    const group = stage.frustums.get(id);
-    if (group) view.addLabel(pose.label, "pose", () => group.position, id);
+    view.addLabel(pose.label, "pose", new Vector3().fromArray(pose.camera.position_m), String(pose.id));
   }
-  stage.axisEnds.forEach((end, i) => view.addLabel("xyz"[i], "axis", () => end));
+  stage.axes.ends.forEach((end, i) => view.addLabel("xyz"[i], "axis", end));
 }
 
 /** What the check of the page looks at: `window.caliposeReport`. */
@@ -122,7 +122,8 @@ function offerHook(data, choice, stage, view, motion) {
       /** The camera's pose in the base frame at joint values, by the page's own kinematics. */
       cameraAt: (/** @type {number[]} */ q) => forwardKinematics(data, q).camera,
       /** Where a pose's camera is in the window, in CSS pixels. */
-      project: (/** @type {string | number} */ id) => view.project(stage.frustums.get(String(id)).position),
+      project: (/** @type {number} */ id) =>
+        view.project(stage.cameras.frustums.get(String(id))?.group.position ?? new Vector3()),
       /** Draws now and returns the canvas, to be read before the next frame. */
       render: () => (view.render(), view.canvas),
     },

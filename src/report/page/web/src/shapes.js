@@ -10,10 +10,15 @@ import {
 } from "three";
 
 /** Meshes with more triangles than this are drawn without their sharp edges, which take long to find. */
-const EDGES_UP_TO_TRIANGLES = 20_000;
+const EDGES_UP_TO_TRIANGLES = 3000;
 
-/** A geometry from coordinates, and the indices of its triangles. @returns {BufferGeometry} */
-export function geometryOf(/** @type {ArrayLike<number>} */ coordinates, /** @type {number[]} */ triangles) {
+/**
+ * A geometry from coordinates, and the indices of its triangles where it has some.
+ *
+ * @param {number[]} coordinates
+ * @param {number[] | null} [triangles]
+ */
+export function geometryOf(coordinates, triangles = null) {
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new Float32BufferAttribute(coordinates, 3));
   if (triangles) geometry.setIndex(triangles);

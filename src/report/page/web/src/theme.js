@@ -2,8 +2,8 @@
 import { Color } from "three";
 
 const NAMES = /** @type {const} */ ([
-  "paper", "ink", "muted", "line", "accent", "chosen", "body", "body-other", "obstacle",
-  "print-light", "print-dark", "ramp-low", "ramp-high", "series-1", "series-2", "series-3",
+  "ink", "muted", "line", "accent", "chosen", "series-1", "series-2", "series-3",
+  "body", "body-other", "obstacle", "board-light", "board-dark", "ramp-low", "ramp-high",
 ]);
 
 /** @typedef {Record<typeof NAMES[number], Color>} Theme */

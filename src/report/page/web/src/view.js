@@ -9,19 +9,25 @@ const REACH_PX = 22;
 /** A pointer that went further than this, in CSS pixels, has turned the view and clicked nothing. */
 const CLICK_PX = 5;
 
+/** A canvas for the view with its WebGL context; the context is null where the browser has none. */
+export function openCanvas() {
+  const canvas = element("canvas", { tabIndex: 0, role: "application", "aria-label": "3-D view of the arm and its poses" });
+  return { canvas, context: canvas.getContext("webgl2", { antialias: true, alpha: true }) };
+}
+
 export class View {
   /**
    * @param {HTMLElement} frame which the canvas fills
+   * @param {HTMLCanvasElement} canvas
+   * @param {WebGL2RenderingContext} context of the canvas
    * @param {import("./scene.js").Stage} stage
-   * @throws where the browser has no WebGL
    */
-  constructor(frame, stage) {
+  constructor(frame, canvas, context, stage) {
     this.stage = stage;
     this.frame = frame;
-    this.canvas = element("canvas", { tabIndex: 0, role: "application", "aria-label": "3-D view of the arm and its poses" });
-    const context = this.canvas.getContext("webgl2", { antialias: true, alpha: true });
-    if (!context) throw new Error("no WebGL 2");
-    this.renderer = new WebGLRenderer({ canvas: this.canvas, context, antialias: true, alpha: true });
+    this.canvas = canvas;
+    this.renderer = new WebGLRenderer({ canvas, context });
+    // Asking for errors would wait for every shader; the check of the page sees them as an empty canvas.
     this.renderer.debug.checkShaderErrors = false;
     this.renderer.setClearColor(0, 0);
     this.overlay = element("div", { className: "labels", "aria-hidden": "true" });
@@ -29,17 +35,26 @@ export class View {
 
     this.camera = new PerspectiveCamera(FIELD_OF_VIEW_DEG, 1, 0.01, 100);
     this.camera.up.copy(stage.up);
-    this.orbit = new Orbit(this.camera, this.canvas, () => this.requestRender());
+    /** Whether the view is still as `home` made it; then it stays so when the frame's size changes. */
+    this.atHome = true;
+    this.orbit = new Orbit(this.camera, this.canvas, () => {
+      this.atHome = false;
+      this.requestRender();
+    });
     this.canvas.addEventListener("webglcontextrestored", () => this.requestRender());
 
     this.pending = 0;
     this.size = "";
-    /** @type {{at: () => Vector3, node: HTMLElement, id: string | null}[]} */
+    /** @type {{at: Vector3, node: HTMLElement, id: string | null}[]} */
     this.labels = [];
     this.#resize();
     this.home();
     // Drawn in this very frame: a canvas of a new size is empty.
-    new ResizeObserver(() => this.#resize() && this.render()).observe(frame);
+    new ResizeObserver(() => {
+      if (!this.#resize()) return;
+      if (this.atHome) this.home();
+      this.render();
+    }).observe(frame);
   }
 
   /** Draws before the next repaint; there is no endless loop. */
@@ -66,7 +81,7 @@ export class View {
    *
    * @param {string} text
    * @param {string} className
-   * @param {() => Vector3} at
+   * @param {Vector3} at
    * @param {string | null} id of the pose, where it is one's
    */
   addLabel(text, className, at, id = null) {
@@ -80,14 +95,14 @@ export class View {
   home() {
     const { board } = this.stage.data;
     const { up } = this.stage;
-    const printed = new Vector3(0, 0, 1).applyQuaternion(new Quaternion(...board.pose.quaternion_xyzw));
-    let front = printed.projectOnPlane(up);
-    // A board that lies flat is looked at over the arm's shoulder.
-    if (front.length() < 0.3) front = new Vector3(...board.pose.position_m).negate().projectOnPlane(up);
-    if (front.length() < 1e-6) front = new Vector3(1, 0, 0).projectOnPlane(up);
-    if (front.length() < 1e-6) front = new Vector3(0, 1, 0).projectOnPlane(up);
+    const printed = new Vector3(0, 0, 1).applyQuaternion(new Quaternion().fromArray(board.pose.quaternion_xyzw));
+    // A board that lies flat is looked at from behind the arm, one below the arm's base from anywhere.
+    const behind = new Vector3().fromArray(board.pose.position_m).negate();
+    const fronts = [printed, behind, new Vector3(1, 0, 0), new Vector3(0, 1, 0)].map((front) => front.projectOnPlane(up));
+    const front = fronts.find((each, i) => each.length() > [0.3, 0.01, 0.1, 0.1][i]) ?? fronts[0];
     const direction = front.normalize().applyAxisAngle(up, 0.95).addScaledVector(up, 0.5).normalize();
     this.#fit(this.stage.extent, direction);
+    this.atHome = true;
   }
 
   /** Looks along `-direction` from where all points are just inside. */
@@ -133,7 +148,7 @@ export class View {
   /** The pose whose camera is within reach of a place in the window, by its id, or null. */
   poseAt(/** @type {number} */ x, /** @type {number} */ y) {
     let best = { id: /** @type {string | null} */ (null), away: REACH_PX };
-    for (const [id, group] of this.stage.frustums) {
+    for (const [id, { group }] of this.stage.cameras.frustums) {
       const at = this.project(group.position);
       const away = Math.hypot(at.x - x, at.y - y);
       if (at.inFront && away < best.away) best = { id, away };
@@ -169,7 +184,7 @@ export class View {
 
   #placeLabels() {
     for (const { at, node } of this.labels) {
-      const { x, y, z } = at().clone().project(this.camera);
+      const { x, y, z } = at.clone().project(this.camera);
       const inside = z < 1 && Math.abs(x) < 0.99 && Math.abs(y) < 0.99;
       node.style.visibility = inside ? "" : "hidden";
       // In parts of the frame, which has another size on paper.
