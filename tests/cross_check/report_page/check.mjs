@@ -187,7 +187,7 @@ await check("a plot's mark chooses its pose", async () => {
   assert(plots > 0, "no plot has marks of poses");
   for (let i = 0; i < plots; i++) {
     const mark = page.locator(".plot:has([data-pose])").nth(i).locator(`[data-pose="${at(5 + i)}"]`).first();
-    // At its middle, whatever lies above it there belongs to another pose or to none.
+    // To the mark itself, whatever lies above it.
     await mark.dispatchEvent("click");
     await assertChosen(page, at(5 + i), `plot ${i + 1}`);
     assert.match((await mark.getAttribute("class")) ?? "", /\bchosen\b/);
@@ -292,19 +292,19 @@ await check("tables sort by a column, both ways and back, and copy as they stand
   assert(isSorted((await numbers(column)).reverse()), `descending: ${await numbers(column)}`);
   const order = await now();
 
-  await page.evaluate(() => navigator.clipboard.writeText(""));
-  const tools = page.locator(".table-tools").first();
-  const copied = async () => {
-    await page.locator(".scroll:has(tr[data-pose]) , table:has(tr[data-pose])").first().evaluate((node) => {
-      const wrapper = node.closest(".scroll") ?? node;
-      wrapper.previousElementSibling.querySelector("button").click();
+  const copy = () =>
+    table.evaluate(async (node) => {
+      const tools = (node.closest(".scroll") ?? node).previousElementSibling;
+      tools.querySelector("button").click();
+      const outcome = tools.querySelector(".outcome");
+      for (let frame = 0; frame < 300 && !outcome.textContent; frame++) await new Promise(requestAnimationFrame);
+      if (outcome.textContent !== "Copied") throw new Error(`"Copy" says: "${outcome.textContent}"`);
+      outcome.textContent = "";
     });
-    await tools.page().waitForFunction(() => [...document.querySelectorAll(".outcome")].some((node) => node.textContent === "Copied"));
-    return page.evaluate(() => navigator.clipboard.readText());
-  };
-  const text = await copied();
+  await copy();
+  const text = await page.evaluate(() => navigator.clipboard.readText());
   const lines = text.trimEnd().split("\n").map((line) => line.split("\t"));
-  assert.equal(lines.length, order.length + 1);
+  assert.equal(lines.length, order.length + 1, "lines copied");
   assert(lines.every((line) => line.length === columns), "columns copied");
   // Without the clipboard's interface, as some browsers have it for files.
   await page.evaluate(() => {
@@ -312,7 +312,7 @@ await check("tables sort by a column, both ways and back, and copy as they stand
     Object.defineProperty(navigator, "clipboard", { value: undefined, configurable: true });
     return window.clipboardKept.writeText("");
   });
-  await page.locator(".scroll:has(tr[data-pose])").first().evaluate((node) => node.previousElementSibling.querySelector("button").click());
+  await copy();
   assert.equal(await page.evaluate(() => window.clipboardKept.readText()), text, "copied the old way");
 
   await header.getByRole("button").click();

@@ -5,7 +5,8 @@ import { DataTexture, DoubleSide, LineBasicMaterial, MeshBasicMaterial, MeshLamb
 
 export function makeMaterials() {
   const lit = (options = {}) => new MeshLambertMaterial(options);
-  const line = (opacity = 1) => new LineBasicMaterial({ transparent: opacity < 1, opacity });
+  // All lines are drawn in one way, as if seen through: a second way would cost time before the first frame.
+  const line = (opacity = 1) => new LineBasicMaterial({ transparent: true, opacity });
   const glass = (/** @type {number} */ opacity) =>
     new MeshBasicMaterial({ transparent: true, opacity, side: DoubleSide, depthWrite: false });
   const points = { sizeAttenuation: false, map: disc(), alphaTest: 0.5 };
