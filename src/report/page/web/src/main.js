@@ -1,0 +1,131 @@
+/**
+ * The script of a report. The page is whole without it; it adds the 3-D view and links it with tables, plots and pictures.
+ */
+import { Vector3 } from "three";
+import { Choice, linkElements, nameMarks, onHover } from "./choose.js";
+import { Controls } from "./controls.js";
+import { forwardKinematics } from "./kinematics.js";
+import { Motion } from "./motion.js";
+import { offerToPrinter } from "./print.js";
+import { Stage } from "./scene.js";
+import { equipTables } from "./tables.js";
+import { readTheme } from "./theme.js";
+import { openCanvas, View } from "./view.js";
+
+document.documentElement.classList.add("js");
+start();
+
+function start() {
+  nameMarks();
+  equipTables();
+  const source = document.getElementById("scene-data");
+  const section = document.getElementById("view3d");
+  if (!source || !section) return;
+  const data = JSON.parse(source.textContent);
+  const choice = new Choice(data.poses.map((/** @type {any} */ pose) => String(pose.id)));
+  linkElements(choice);
+  const controls = new Controls(section, data, choice);
+  choice.step(1);
+  // The page is painted before the view, which takes longer.
+  setTimeout(() => show(data, choice, controls));
+}
+
+/** Builds the 3-D view and keeps it with the chosen pose. */
+function show(/** @type {any} */ data, /** @type {Choice} */ choice, /** @type {Controls} */ controls) {
+  const { canvas, context } = openCanvas();
+  if (!context) {
+    controls.refuse("The 3-D view needs WebGL 2, which this browser does not offer. Everything else of the report is here.");
+    return;
+  }
+  const stage = new Stage(data);
+  stage.tint(readTheme());
+  const view = new View(controls.frame, canvas, context, stage);
+  const poseOf = (/** @type {string} */ id) => data.poses[choice.ids.indexOf(id)];
+  const motion = new Motion(({ q, distance }) => {
+    stage.showConfiguration(q, distance);
+    view.requestRender();
+  });
+  const stateOf = (/** @type {any} */ pose) => ({ q: pose.joints, distance: pose.distance_m });
+
+  labelPoses(data, stage, view);
+  const setNear = (/** @type {string | null} */ id) => {
+    stage.cameras.setNear(id);
+    for (const label of view.labels) label.node.classList.toggle("near", id !== null && label.id === id);
+    view.requestRender();
+  };
+  const setChosen = (/** @type {string} */ id) => {
+    stage.cameras.setChosen(id);
+    for (const label of view.labels) label.node.classList.toggle("chosen", label.id === id);
+  };
+  setChosen(choice.id ?? "");
+  if (choice.id !== null) motion.set(stateOf(poseOf(choice.id)));
+  choice.onChange((id) => {
+    setChosen(id);
+    motion.moveTo(stateOf(poseOf(id)));
+  });
+
+  onHover("pose", setNear);
+  onHover("view", (id) => {
+    stage.views.setMarked(id);
+    view.requestRender();
+  });
+  view.onPointer((id) => choice.choose(id), setNear);
+  canvas.setAttribute("aria-describedby", "view3d-help");
+  canvas.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (view.key(event) || controls.key(event)) event.preventDefault();
+  });
+  controls.homeButton.addEventListener("click", () => view.home());
+  const toggle = (/** @type {string} */ label, /** @type {(shown: boolean) => void} */ act) =>
+    controls.addToggle(label, (shown) => {
+      act(shown);
+      view.requestRender();
+    });
+  if (stage.views.tilts) toggle("Views swept", (shown) => (stage.views.group.visible = shown));
+  toggle("Frustums", (shown) => {
+    stage.cameras.show(shown);
+    view.overlay.classList.toggle("without-poses", !shown);
+  });
+  if (stage.arm.hasBodies) toggle("Bodies", (shown) => stage.arm.showBodies(shown));
+  controls.addLegend(stage.views.tilts, stage.ground.spacing);
+
+  const retint = () => {
+    stage.tint(readTheme());
+    view.requestRender();
+  };
+  window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", retint);
+  offerToPrinter(view, retint);
+
+  view.render();
+  view.finish();
+  performance.mark("calipose-first-frame");
+  offerHook(data, choice, stage, view, motion);
+}
+
+/** Numbers beside the cameras, letters at the base frame's axes. */
+function labelPoses(/** @type {any} */ data, /** @type {Stage} */ stage, /** @type {View} */ view) {
+  for (const pose of data.poses) {
+    view.addLabel(pose.label, "pose", new Vector3().fromArray(pose.camera.position_m), String(pose.id));
+  }
+  stage.axes.ends.forEach((end, i) => view.addLabel("xyz"[i], "axis", end));
+}
+
+/** What the check of the page looks at: `window.caliposeReport`. */
+function offerHook(data, choice, stage, view, motion) {
+  Object.assign(window, {
+    caliposeReport: {
+      poses: data.poses,
+      chosen: () => choice.id,
+      /** Joint values in rad or m that are shown now. */
+      configuration: () => motion.state?.q ?? null,
+      moving: () => motion.moving,
+      /** The camera's pose in the base frame at joint values, by the page's own kinematics. */
+      cameraAt: (/** @type {number[]} */ q) => forwardKinematics(data, q).camera,
+      /** Where a pose's camera is in the window, in CSS pixels. */
+      project: (/** @type {number} */ id) =>
+        view.project(stage.cameras.frustums.get(String(id))?.group.position ?? new Vector3()),
+      /** Draws now and returns the canvas, to be read before the next frame. */
+      render: () => (view.render(), view.canvas),
+    },
+  });
+}

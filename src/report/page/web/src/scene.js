@@ -1,0 +1,71 @@
+/** The scene in three dimensions, put together. All of it is in the base frame; lengths are in m. */
+import { AmbientLight, DirectionalLight, Scene, Vector3 } from "three";
+import { Arm } from "./arm.js";
+import { Cameras } from "./cameras.js";
+import { forwardKinematics, transform } from "./kinematics.js";
+import { makeMaterials, tint } from "./materials.js";
+import { makeAxes, makeBoard, makeGround } from "./surroundings.js";
+import { SweptViews } from "./swept.js";
+
+export class Stage {
+  /** @param {any} data the scene document */
+  constructor(data) {
+    this.data = data;
+    this.up = new Vector3().fromArray(data.up).normalize();
+    this.materials = makeMaterials();
+    // What has no size of its own is drawn in proportion to how far the cameras are from the board.
+    const scale = median(data.poses.map((/** @type {any} */ pose) => pose.distance_m));
+    this.arm = new Arm(data, this.materials, scale);
+    this.cameras = new Cameras(data, this.materials, scale);
+    this.views = new SweptViews(data.views, this.materials);
+    this.axes = makeAxes(0.25 * scale, this.materials);
+    this.showConfiguration(data.poses[0].joints, data.poses[0].distance_m);
+    /** Points that a view of everything has inside. */
+    this.extent = this.#extent();
+    this.ground = makeGround(this.arm.links[0].position, this.up, this.extent, this.materials);
+
+    this.scene = new Scene().add(this.arm.group, this.cameras.group, this.views.group, this.axes.group, this.ground.lines);
+    this.scene.add(makeBoard(data.board, this.materials), ...lights(this.up));
+  }
+
+  /**
+   * Moves the arm and its camera.
+   *
+   * @param {number[]} q joint values in rad or m
+   * @param {number} distance m from the camera to the board, as far as its frustum is drawn
+   */
+  showConfiguration(q, distance) {
+    const poses = forwardKinematics(this.data, q);
+    this.arm.moveTo(poses);
+    this.cameras.moveTo(poses.camera, distance);
+  }
+
+  /** Gives everything the page's colours. */
+  tint(/** @type {import("./theme.js").Theme} */ theme) {
+    tint(this.materials, theme);
+    this.views.tint(theme);
+  }
+
+  #extent() {
+    const { board, views, poses, links } = this.data;
+    const [x, y] = [board.columns + 2, board.rows + 2].map((count) => (count * board.square_m) / 2);
+    const points = [[-x, -y, 0], [x, -y, 0], [x, y, 0], [-x, y, 0]].map((corner) => transform(board.pose, corner));
+    for (let i = 0; i < views.positions_m.length; i += 3) points.push(views.positions_m.slice(i, i + 3));
+    for (const { joints } of poses) {
+      const at = forwardKinematics(this.data, joints);
+      const origins = at.links.filter((_, i) => !links[i].obstacle).map((link) => link.position_m);
+      points.push(at.camera.position_m, ...origins, ...this.arm.extent(at.links));
+    }
+    return points.map((point) => new Vector3().fromArray(point));
+  }
+}
+
+function lights(/** @type {Vector3} */ up) {
+  const sun = new DirectionalLight(0xffffff, 1.7);
+  sun.position.copy(up).multiplyScalar(2).add(new Vector3(0.7, -1.1, 0.4));
+  return [new AmbientLight(0xffffff, 1.6), sun];
+}
+
+function median(/** @type {number[]} */ values) {
+  return [...values].sort((a, b) => a - b)[values.length >> 1];
+}

@@ -1,0 +1,494 @@
+// Opens a report in Chromium, from disk as a reader does, and holds it to what it must show and do.
+//
+//     node check.mjs PAGE.html [FOLDER]     FOLDER: where screenshots and the printed page are put
+//
+// The browser is /usr/bin/chromium or $CHROMIUM.
+import assert from "node:assert/strict";
+import { mkdir, readFile } from "node:fs/promises";
+import { createRequire } from "node:module";
+import { join, resolve } from "node:path";
+import { pathToFileURL } from "node:url";
+import { chromium } from "playwright-core";
+
+/** For a machine with a core to spare; a busy one may be given longer. */
+const FIRST_FRAME_MS = Number(process.env.FIRST_FRAME_MS ?? 1000);
+/** The page is opened until its first frame comes in time, at most this often: what else the machine does can only add. */
+const LOADS = 20;
+const WIDE = { width: 1440, height: 960 };
+const PHONE = { width: 360, height: 740 };
+const AXE = await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+
+const [file, folder] = process.argv.slice(2);
+if (!file) throw new Error("usage: node check.mjs PAGE.html [FOLDER]");
+const address = pathToFileURL(resolve(file)).href;
+if (folder) await mkdir(folder, { recursive: true });
+
+/** Chromium without a graphics card: WebGL by SwiftShader, or none. */
+const launch = (...graphics) =>
+  chromium.launch({
+    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+    args: ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
+      "--disable-sync", ...graphics],
+  });
+const browser = await launch("--use-angle=swiftshader", "--enable-unsafe-swiftshader");
+
+let failures = 0;
+async function check(claim, hold) {
+  try {
+    const remark = await hold();
+    console.log(`ok    ${claim}${remark ? `: ${remark}` : ""}`);
+  } catch (error) {
+    failures++;
+    console.log(`FAIL  ${claim}\n      ${String(error.message).replaceAll("\n", "\n      ")}`);
+  }
+}
+
+/** Opens the page; what it complains of and asks the network for is collected in `page.complaints`. */
+async function open(options = {}, from = browser) {
+  const context = await from.newContext({ viewport: WIDE, reducedMotion: "reduce", ...options });
+  await context.grantPermissions(["clipboard-read", "clipboard-write"]);
+  const page = await context.newPage();
+  page.complaints = [];
+  page.on("console", (message) => {
+    if (["error", "warning"].includes(message.type())) page.complaints.push(`${message.type()}: ${message.text()}`);
+  });
+  page.on("pageerror", (error) => page.complaints.push(`error: ${error.message}`));
+  page.on("request", (request) => {
+    if (request.url() !== address && !/^(data|blob):/.test(request.url())) page.complaints.push(`request: ${request.url()}`);
+  });
+  await page.goto(address);
+  return page;
+}
+
+/** Opens the page and waits for its 3-D view; the time is in `page.firstFrame`, ms from the start of the navigation. */
+async function openView(options) {
+  const page = await open(options);
+  const mark = () => performance.getEntriesByName("calipose-first-frame")[0]?.startTime;
+  page.firstFrame = await (await page.waitForFunction(mark, null, { timeout: 30_000 })).jsonValue();
+  return page;
+}
+
+const close = (page) => page.context().close();
+const shoot = (page, name) => folder && page.screenshot({ path: join(folder, `${name}.png`), fullPage: true });
+const chosen = (page) => page.evaluate(() => window.caliposeReport.chosen());
+const status = (page) => page.locator("#view3d .status").textContent();
+const ids = (page) => page.evaluate(() => window.caliposeReport.poses.map((pose) => String(pose.id)));
+const settle = (page) => page.waitForFunction(() => !window.caliposeReport.moving());
+
+/** What the canvas shows: a digest of its pixels, and how many colours there are. */
+const picture = (page) =>
+  page.evaluate(() => {
+    const canvas = window.caliposeReport.render();
+    const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d");
+    copy.drawImage(canvas, 0, 0);
+    const pixels = new Uint32Array(copy.getImageData(0, 0, canvas.width, canvas.height).data.buffer);
+    let digest = 0;
+    for (const pixel of pixels) digest = (Math.imul(digest, 31) + pixel) | 0;
+    return { digest, colours: new Set(pixels).size };
+  });
+
+/** Does something and asserts that the canvas shows another picture (or the same). */
+async function changesPicture(page, act, what, changed = true) {
+  const before = (await picture(page)).digest;
+  await act();
+  await settle(page);
+  (changed ? assert.notEqual : assert.equal)((await picture(page)).digest, before, `${what}: the canvas's picture`);
+}
+
+/** Where the camera of a pose is in the window, of one that is not chosen and whose camera is farthest from the others. */
+async function cameraInView(page) {
+  await page.locator("#view3d [role=application]").scrollIntoViewIfNeeded();
+  const spots = await page.evaluate(() => window.caliposeReport.poses.map(({ id }) => ({ id, ...window.caliposeReport.project(id) })));
+  const now = await chosen(page);
+  const alone = (spot) => Math.min(...spots.filter((other) => other !== spot).map((other) => Math.hypot(other.x - spot.x, other.y - spot.y)));
+  return spots.filter(({ id }) => String(id) !== now).reduce((best, each) => (alone(each) > alone(best) ? each : best));
+}
+
+/** The pose, its panel alone and its row are shown as chosen. */
+async function assertChosen(page, id, by) {
+  assert.equal(await chosen(page), id, `${by}: the chosen pose`);
+  assert.match(await status(page), new RegExp(`configuration ${id}\\b`), `${by}: the status`);
+  const shown = await page.locator("[data-pose-panel]:visible").evaluateAll((all) => all.map((panel) => panel.dataset.posePanel));
+  assert.deepEqual([...new Set(shown)], [id], `${by}: the panels shown`);
+  const rows = await page.locator("tr[data-pose].chosen").evaluateAll((all) => all.map((row) => row.dataset.pose));
+  assert.deepEqual([...new Set(rows)], [id], `${by}: the rows marked`);
+}
+
+async function assertAccessible(page, where) {
+  await page.evaluate(AXE);
+  const { violations, passes } = await page.evaluate(() => window.axe.run());
+  const told = violations.flatMap(({ id, help, nodes }) =>
+    nodes.map((node) => `${where}: ${id}: ${help}: ${node.html.slice(0, 160)} ${node.any[0]?.message ?? ""}`),
+  );
+  assert.deepEqual(told, []);
+  return `${passes.length} rules`;
+}
+
+// The page in a wide window
+
+await check(`the first frame of the 3-D view comes within ${FIRST_FRAME_MS} ms`, async () => {
+  const times = [];
+  while (times.length < LOADS && !(times.at(-1) <= FIRST_FRAME_MS)) {
+    const page = await openView();
+    times.push(page.firstFrame);
+    await close(page);
+  }
+  const told = `${times.map((time) => time.toFixed(0)).join(", ")} ms`;
+  assert(times.at(-1) <= FIRST_FRAME_MS, told);
+  return told;
+});
+
+const page = await openView();
+const all = await ids(page);
+const at = (index) => all[(index + all.length) % all.length];
+await shoot(page, "light");
+
+await check("the canvas is not empty", async () => {
+  const { colours } = await picture(page);
+  assert(colours > 100, `${colours} colours`);
+  return `${colours} colours`;
+});
+
+await check("the page's kinematics put the camera where the document says", async () => {
+  const worst = await page.evaluate(() => {
+    const errors = window.caliposeReport.poses.map(({ joints, camera }) => {
+      const { position_m, quaternion_xyzw } = window.caliposeReport.cameraAt(joints);
+      const sign = Math.sign(quaternion_xyzw.reduce((sum, value, i) => sum + value * camera.quaternion_xyzw[i], 0));
+      const away = [...position_m.map((value, i) => value - camera.position_m[i]),
+        ...quaternion_xyzw.map((value, i) => sign * value - camera.quaternion_xyzw[i])];
+      return Math.max(...away.map(Math.abs));
+    });
+    return errors.includes(NaN) ? NaN : Math.max(...errors);
+  });
+  assert(worst <= 1e-9, `largest difference ${worst}`);
+  return `largest difference ${worst.toExponential(1)}`;
+});
+
+await check("buttons and the list step from pose to pose", async () => {
+  assert.equal(await chosen(page), at(0));
+  await changesPicture(page, () => page.getByRole("button", { name: /^next pose/i }).click(), "next");
+  await assertChosen(page, at(1), "next");
+  for (let i = 0; i < 2; i++) await page.getByRole("button", { name: /^previous pose/i }).click();
+  await assertChosen(page, at(-1), "previous, around the start");
+  await changesPicture(page, () => page.locator("#view3d select").selectOption(at(2)), "list");
+  await assertChosen(page, at(2), "list");
+});
+
+await check("a row of the table chooses its pose, by a click and by its button", async () => {
+  const row = page.locator(`tr[data-pose="${at(3)}"]`).first();
+  await row.locator("td").last().click();
+  await assertChosen(page, at(3), "row");
+  const choose = page.locator(`tr[data-pose="${at(4)}"] .choose`).first();
+  await choose.focus();
+  await page.keyboard.press("Enter");
+  await assertChosen(page, at(4), "button");
+  assert.equal(await choose.getAttribute("aria-pressed"), "true");
+});
+
+await check("a plot's mark chooses its pose", async () => {
+  const plots = await page.locator(".plot:has([data-pose])").count();
+  assert(plots > 0, "no plot has marks of poses");
+  for (let i = 0; i < plots; i++) {
+    const mark = page.locator(".plot:has([data-pose])").nth(i).locator(`[data-pose="${at(5 + i)}"]`).first();
+    // To the mark itself, whatever lies above it.
+    await mark.dispatchEvent("click");
+    await assertChosen(page, at(5 + i), `plot ${i + 1}`);
+    assert.match((await mark.getAttribute("class")) ?? "", /\bchosen\b/);
+  }
+  return `${plots} plots`;
+});
+
+await check("a click on a camera in the 3-D view chooses its pose", async () => {
+  const spot = await cameraInView(page);
+  await page.mouse.click(spot.x, spot.y);
+  await assertChosen(page, String(spot.id), "camera");
+});
+
+await check("the view turns, shifts and zooms by mouse, wheel and keys, and H brings the whole scene back", async () => {
+  const canvas = page.locator("#view3d [role=application]");
+  await canvas.focus();
+  await page.keyboard.press("h");
+  const whole = (await picture(page)).digest;
+  const box = await canvas.boundingBox();
+  const middle = [box.x + box.width / 2, box.y + box.height / 2];
+  await changesPicture(page, async () => {
+    await page.mouse.move(...middle);
+    await page.mouse.down();
+    await page.mouse.move(middle[0] + 60, middle[1] + 20, { steps: 4 });
+    await page.mouse.up();
+  }, "dragging");
+  await changesPicture(page, async () => {
+    await page.mouse.wheel(0, -240);
+    await page.waitForTimeout(100);
+  }, "wheel");
+  for (const key of ["ArrowLeft", "ArrowUp", "Shift+ArrowRight", "+", "-"]) {
+    await changesPicture(page, () => page.keyboard.press(key), key);
+  }
+  await page.keyboard.press("h");
+  assert.equal((await picture(page)).digest, whole, "H: the canvas's picture");
+});
+
+await check("the wheel scrolls the page until the view has the focus", async () => {
+  await page.locator("#view3d [role=application]").evaluate((canvas) => canvas.blur());
+  await page.evaluate(() => scrollTo(0, 0));
+  await page.locator("#view3d [role=application]").hover();
+  await changesPicture(page, async () => {
+    await page.mouse.wheel(0, 120);
+    await page.waitForFunction(() => scrollY > 0);
+  }, "wheel without focus", false);
+});
+
+await check("keys in the view step and play", async () => {
+  await page.locator("#view3d [role=application]").focus();
+  const before = all.indexOf(await chosen(page));
+  await page.keyboard.press("n");
+  await assertChosen(page, at(before + 1), "N");
+  await page.keyboard.press("p");
+  await assertChosen(page, at(before), "P");
+  await page.keyboard.press(" ");
+  await page.waitForFunction((id) => window.caliposeReport.chosen() === id, at(before + 2), { timeout: 8000 });
+  await page.keyboard.press(" ");
+  const stopped = await chosen(page);
+  await page.waitForTimeout(2000);
+  assert.equal(await chosen(page), stopped, "after a second space");
+});
+
+await check("toggles change the picture", async () => {
+  const boxes = page.locator("#view3d .toggles input");
+  const count = await boxes.count();
+  assert(count >= 1, "no toggles");
+  for (let i = 0; i < count; i++) {
+    await changesPicture(page, () => boxes.nth(i).uncheck(), `toggle ${i + 1} off`);
+    await boxes.nth(i).check();
+  }
+  return `${count} toggles`;
+});
+
+await check("pointing at a view's mark shows it in the 3-D view", async () => {
+  const marks = page.locator(".plot [data-view]");
+  if ((await marks.count()) === 0) return "no marks of views in this page";
+  const known = await page.evaluate(() => {
+    const { ids } = JSON.parse(document.getElementById("scene-data").textContent).views;
+    const has = new Set(ids.map(String));
+    return [...document.querySelectorAll(".plot [data-view]")].map(({ dataset }) => dataset.view).find((id) => has.has(id));
+  });
+  await changesPicture(page, () => page.locator(`.plot [data-view="${known}"]`).first().dispatchEvent("pointerover"), "pointing");
+});
+
+await check("tables sort by a column, both ways and back, and copy as they stand", async () => {
+  const table = page.locator("table.sortable:has(tr[data-pose])").first();
+  const numbers = (column) =>
+    table.locator(`tbody tr td:nth-child(${column})`).evaluateAll((cells) => cells.map((cell) => Number(cell.dataset.value ?? cell.textContent)));
+  const written = await table.locator("tbody tr").evaluateAll((rows) => rows.map((row) => row.dataset.pose));
+  const now = () => table.locator("tbody tr").evaluateAll((rows) => rows.map((row) => row.dataset.pose));
+  const columns = await table.locator("thead th").count();
+  // The last column of plain numbers that are not in order already.
+  let column = columns;
+  while (column > 1 && (await numbers(column)).some((value, i, all) => Number.isNaN(value) || (i === 0 && isSorted(all)))) column--;
+  assert(column > 1, "no column to sort by");
+  const header = table.locator(`thead th:nth-child(${column})`);
+  await header.getByRole("button").click();
+  assert.equal(await header.getAttribute("aria-sort"), "ascending");
+  assert(isSorted(await numbers(column)), `ascending: ${await numbers(column)}`);
+  await header.getByRole("button").click();
+  assert.equal(await header.getAttribute("aria-sort"), "descending");
+  assert(isSorted((await numbers(column)).reverse()), `descending: ${await numbers(column)}`);
+  const order = await now();
+
+  const copy = () =>
+    table.evaluate(async (node) => {
+      const tools = (node.closest(".scroll") ?? node).previousElementSibling;
+      tools.querySelector("button").click();
+      const outcome = tools.querySelector(".outcome");
+      for (let frame = 0; frame < 300 && !outcome.textContent; frame++) await new Promise(requestAnimationFrame);
+      if (outcome.textContent !== "Copied") throw new Error(`"Copy" says: "${outcome.textContent}"`);
+      outcome.textContent = "";
+    });
+  await copy();
+  const text = await page.evaluate(() => navigator.clipboard.readText());
+  const lines = text.trimEnd().split("\n").map((line) => line.split("\t"));
+  assert.equal(lines.length, order.length + 1, "lines copied");
+  assert(lines.every((line) => line.length === columns), "columns copied");
+  // Without the clipboard's interface, as some browsers have it for files.
+  await page.evaluate(() => {
+    window.clipboardKept = navigator.clipboard;
+    Object.defineProperty(navigator, "clipboard", { value: undefined, configurable: true });
+    return window.clipboardKept.writeText("");
+  });
+  await copy();
+  assert.equal(await page.evaluate(() => window.clipboardKept.readText()), text, "copied the old way");
+
+  await header.getByRole("button").click();
+  assert.deepEqual(await now(), written, "as written");
+});
+
+await check("nothing is complained of, nothing is asked of the network", async () => assert.deepEqual(page.complaints, []));
+await close(page);
+
+function isSorted(values) {
+  return values.every((value, i) => i === 0 || values[i - 1] <= value);
+}
+
+// Motion
+
+await check("a reader who prefers reduced motion sees the pose at once", async () => {
+  const still = await openView({ reducedMotion: "reduce" });
+  const shown = await still.evaluate((id) => {
+    document.querySelector(`tr[data-pose="${id}"] .choose`).click();
+    return window.caliposeReport.configuration();
+  }, at(1));
+  assert.deepEqual(shown, await still.evaluate(() => window.caliposeReport.poses[1].joints));
+  await close(still);
+});
+
+await check("the arm moves to the pose for other readers, and arrives at it exactly", async () => {
+  const moving = await openView({ reducedMotion: "no-preference" });
+  const [from, to] = await moving.evaluate(() => window.caliposeReport.poses.slice(0, 2).map((pose) => pose.joints));
+  const started = await moving.evaluate((id) => {
+    document.querySelector(`tr[data-pose="${id}"] .choose`).click();
+    return window.caliposeReport.configuration();
+  }, at(1));
+  assert.deepEqual(started, from, "at the click");
+  await settle(moving);
+  assert.deepEqual(await moving.evaluate(() => window.caliposeReport.configuration()), to, "in the end");
+  assert.deepEqual(moving.complaints, []);
+  await close(moving);
+});
+
+// Colours, paper, a phone, no JavaScript, no WebGL
+
+for (const colorScheme of ["light", "dark"]) {
+  await check(`axe finds nothing in the ${colorScheme} scheme`, async () => {
+    const one = await openView({ colorScheme });
+    if (colorScheme === "dark") await shoot(one, "dark");
+    const wide = await assertAccessible(one, "wide");
+    await one.setViewportSize(PHONE);
+    await assertAccessible(one, "phone");
+    await close(one);
+    return wide;
+  });
+}
+
+await check("the 3-D view follows a change of the colour scheme", async () => {
+  const one = await openView({ colorScheme: "light" });
+  await changesPicture(one, async () => {
+    await one.emulateMedia({ colorScheme: "dark" });
+    // Browsers tell of the change with the next frame.
+    await one.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+  }, "dark");
+  await close(one);
+});
+
+await check("in print there are all plots and all panels, and no controls", async () => {
+  const one = await openView();
+  await one.emulateMedia({ media: "print" });
+  await one.evaluate(() => dispatchEvent(new Event("beforeprint")));
+  const colours = await one.locator("#view3d .print-picture").evaluate((copy) => {
+    const { data } = copy.getContext("2d").getImageData(0, 0, copy.width, copy.height);
+    return new Set(new Uint32Array(data.buffer)).size;
+  });
+  assert(colours > 100, `the printed picture of the 3-D view has ${colours} colours`);
+  for (const part of [".print-picture", ".plot svg", "[data-pose-panel]", "table"]) {
+    const [count, visible] = await Promise.all([one.locator(part).count(), one.locator(`${part}:visible`).count()]);
+    assert(count > 0, `${part}: none`);
+    assert.equal(visible, count, part);
+  }
+  for (const part of ["#view3d [role=application]", "#view3d button", "#view3d select", "#view3d input", ".table-tools", ".choose"]) {
+    assert.equal(await one.locator(`${part}:visible`).count(), 0, part);
+  }
+  await one.evaluate(() => dispatchEvent(new Event("afterprint")));
+  if (folder) await one.pdf({ path: join(folder, "print.pdf"), format: "A4", preferCSSPageSize: true });
+  await close(one);
+});
+
+await check("a phone's window, 360 px wide, shows everything; wide tables scroll in their own regions", async () => {
+  const one = await openView({ viewport: PHONE, hasTouch: true, isMobile: true });
+  await shoot(one, "phone");
+  const faults = await one.evaluate(() => {
+    const told = [];
+    for (const node of [document.documentElement, document.body]) {
+      if (node.scrollWidth > node.clientWidth) told.push(`${node.tagName} is ${node.scrollWidth} px wide`);
+    }
+    for (const node of document.querySelectorAll("body *")) {
+      if (node.closest(".scroll, .frame, svg, script") && !node.matches(".scroll, .frame, svg")) continue;
+      const box = node.getBoundingClientRect();
+      const name = `${node.tagName.toLowerCase()}.${node.getAttribute("class") ?? ""}`;
+      if (box.width && (box.right > innerWidth + 0.5 || box.left < -0.5)) told.push(`${name} reaches from ${box.left} to ${box.right}`);
+      const cut = getComputedStyle(node).overflowX === "hidden" && node.scrollWidth > node.clientWidth;
+      if (cut) told.push(`${name} is cut off`);
+    }
+    for (const table of document.querySelectorAll("table")) {
+      const region = table.closest(".scroll");
+      if (table.offsetWidth > (region ?? document.documentElement).clientWidth && !region) told.push("a wide table has no region");
+      const named = region?.hasAttribute("aria-label") || region?.hasAttribute("aria-labelledby");
+      if (region && !(region.tabIndex === 0 && region.getAttribute("role") === "region" && named)) told.push("a region has no focus or name");
+    }
+    return told;
+  });
+  assert.deepEqual(faults, []);
+  const { colours } = await picture(one);
+  assert(colours > 100, `${colours} colours`);
+  await close(one);
+});
+
+await check("fingers choose a pose, turn the view and zoom it", async () => {
+  const one = await openView({ viewport: PHONE, hasTouch: true, isMobile: true });
+  const spot = await cameraInView(one);
+  await one.touchscreen.tap(spot.x, spot.y);
+  await assertChosen(one, String(spot.id), "tap");
+  const box = await one.locator("#view3d [role=application]").boundingBox();
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  const screen = await one.context().newCDPSession(one);
+  const touch = (type, ...touchPoints) => screen.send("Input.dispatchTouchEvent", { type, touchPoints });
+  await changesPicture(one, async () => {
+    await touch("touchStart", { x, y });
+    for (const dx of [20, 40, 60]) await touch("touchMove", { x: x + dx, y });
+    await touch("touchEnd");
+  }, "one finger");
+  const size = () => one.evaluate(() => {
+    const spots = window.caliposeReport.poses.map(({ id }) => window.caliposeReport.project(id));
+    return Math.max(...spots.map((spot) => spot.x)) - Math.min(...spots.map((spot) => spot.x));
+  });
+  const before = await size();
+  const pair = (away) => [{ x: x - away, y, id: 0 }, { x: x + away, y, id: 1 }];
+  await touch("touchStart", ...pair(30));
+  for (const away of [35, 40, 45]) await touch("touchMove", ...pair(away));
+  await touch("touchEnd");
+  const factor = (await size()) / before;
+  assert(factor > 1.3 && factor < 1.9, `fingers 1.5 times as far apart give a picture ${factor} times as large`);
+  await close(one);
+  return `fingers 1.5 times as far apart: ${factor.toFixed(2)} times as large`;
+});
+
+await check("without JavaScript there are the tables, the plots and all panels", async () => {
+  const one = await open({ javaScriptEnabled: false });
+  await shoot(one, "without-javascript");
+  for (const part of ["table.sortable", ".plot svg", "[data-pose-panel]"]) {
+    const [count, visible] = await Promise.all([one.locator(part).count(), one.locator(`${part}:visible`).count()]);
+    assert(count > 0, `${part}: none`);
+    assert.equal(visible, count, part);
+  }
+  for (const part of ["#view3d", ".choose"]) assert.equal(await one.locator(`${part}:visible`).count(), 0, part);
+  assert.deepEqual(one.complaints, []);
+  await close(one);
+});
+
+await browser.close();
+
+await check("without WebGL the page says so, and the rest works", async () => {
+  const plain = await launch("--disable-3d-apis");
+  try {
+    const one = await open({}, plain);
+    await one.locator("#view3d .refusal").waitFor({ timeout: 10_000 });
+    assert.match(await one.locator("#view3d .refusal").textContent(), /WebGL/);
+    await one.getByRole("button", { name: /^next pose/i }).click();
+    const shown = await one.locator("[data-pose-panel]:visible").evaluateAll((panels) => panels.map((panel) => panel.dataset.posePanel));
+    assert.deepEqual([...new Set(shown)], [at(1)]);
+    assert.deepEqual(one.complaints.filter((told) => told.startsWith("error") || told.startsWith("request")), []);
+  } finally {
+    await plain.close();
+  }
+});
+
+console.log(failures ? `${failures} claims do not hold` : "all claims hold");
+process.exitCode = failures ? 1 : 0;
