@@ -44,8 +44,8 @@
 //! # Modules
 //!
 //! A module imports only from those before it: [`figures`], [`spatial`], [`selection`], [`camera`], [`target`], [`robot`],
-//! [`print`](mod@print), [`sweep`], [`feasibility`], [`information`], [`calibration`], [`verification`], [`formats`], [`problem`], [`mod@plan`], [`cli`]. The
-//! stages up to `verification` know no files and no command line; `selection` knows no robots and no cameras either.
+//! [`print`](mod@print), [`sweep`], [`feasibility`], [`information`], [`calibration`], [`verification`], [`formats`],
+//! [`problem`], [`mod@plan`], [`cli`]. The stages up to `verification` know no files and no command line; `selection` knows no robots and no cameras either.
 #![allow(
     non_snake_case,
     mixed_script_confusables,

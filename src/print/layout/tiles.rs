@@ -84,7 +84,7 @@ impl Grid {
             min: [0, 1].map(|axis| self.bounds[axis][place[axis]]),
             max: [0, 1].map(|axis| self.bounds[axis][place[axis] + 1]),
         };
-        let middle = [size[0] / 2.0, (size[1] + strip::HEIGHT) / 2.0];
+        let middle = [size[0] / 2.0, f64::midpoint(size[1], strip::HEIGHT)];
         let origin = [0, 1].map(|axis| middle[axis] - f64::midpoint(part.min[axis], part.max[axis]));
         let last = [columns - 1, rows - 1];
         let seen = Rectangle {
