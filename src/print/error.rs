@@ -57,15 +57,13 @@ pub enum PrintError {
         needed: [f64; 2],
     },
     /// The pattern would be spread over too many pages.
-    #[error("the pattern of {} takes {pages} pages of {paper}; at most {most} are made", area(*pattern))]
+    #[error("the pattern of {} takes more than {most} pages of {paper}", area(*pattern))]
     TooManyPages {
         /// Size of the pattern.
         pattern: [f64; 2],
         /// The page.
         paper: Paper,
-        /// How many pages.
-        pages: usize,
-        /// How many there may be.
+        /// How many pages there may be.
         most: usize,
     },
 }

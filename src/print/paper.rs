@@ -21,7 +21,7 @@ pub struct Paper {
 pub enum PaperError {
     /// There is no such size.
     #[error("there is no such page{}; known are {}, or a size in mm as in 400x300",
-        likely.map_or(String::new(), |name| format!(": did you mean {name}?")), Paper::STANDARD.map(|paper| paper.0).join(", "))]
+        likely.map_or(String::new(), |name| format!(" (did you mean {name}?)")), Paper::STANDARD.map(|paper| paper.0).join(", "))]
     Unknown {
         /// The size that may have been meant.
         likely: Option<&'static str>,

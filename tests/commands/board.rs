@@ -4,6 +4,9 @@ use std::fs;
 
 use crate::desk::{Desk, text};
 
+/// A zone that holds every board.
+const ZONE: &str = "--set target.zone.width_mm=99999 --set target.zone.height_mm=99999";
+
 /// A problem with squares of 20 mm, whose board fits on A4.
 fn small(desk: &Desk) {
     desk.change("small.toml", &[("square_mm = 35", "square_mm = 20")]);
@@ -16,7 +19,7 @@ fn the_board_is_drawn_on_the_smallest_page_in_both_formats() {
     let said = desk.stdout("board coarse.toml -o drawn");
     assert_eq!(desk.files("drawn"), ["coarse-board.pdf", "coarse-board.svg"]);
     for words in [
-        "8 × 6 inner corners, squares of 35 mm, 315 × 245 mm, on A3 (420 × 297 mm), with 26.00 mm of white around it",
+        "8 × 6 inner corners, squares of 35 mm, 315 × 245 mm, on A3 (420 × 297 mm), with 26 mm of white around it",
         "Written to drawn/coarse-board.pdf, drawn/coarse-board.svg",
         "Print at 100 %",
         "measure the bar: 100 mm",
@@ -73,10 +76,10 @@ fn a_pattern_too_large_for_its_page_is_spread_over_several() {
 #[test]
 fn a_pattern_too_large_for_every_page_gets_one_made_to_measure() {
     let desk = Desk::new();
-    let said = desk.stdout("board coarse.toml --set target.square_mm=150 -o big");
-    assert!(said.contains("1350 × 1050 mm, on 1476 × 1150 mm, with 50.00 mm of white"), "{said}");
+    let said = desk.stdout(&format!("board coarse.toml --set target.square_mm=150 {ZONE} -o big"));
+    assert!(said.contains("1350 × 1050 mm, on 1476 × 1150 mm, with 50 mm of white"), "{said}");
     assert!(said.contains("No page up to A0 is large enough") && said.contains("`--tile`"), "{said}");
-    assert!(desk.complaint("board coarse.toml --set target.square_mm=900", 1).contains("--tile"));
+    assert!(desk.complaint(&format!("board coarse.toml --set target.square_mm=900 {ZONE}"), 1).contains("--tile"));
 }
 
 #[test]
@@ -101,7 +104,8 @@ fn a_page_that_does_not_do_is_refused_with_one_that_does() {
     }
     assert!(desk.complaint("board coarse.toml --page A5 --tile --margin-mm 70", 2).contains("smaller --margin-mm"));
     assert!(
-        desk.complaint("board coarse.toml --page A5 --tile --set target.square_mm=5000", 2).contains("larger --page")
+        desk.complaint(&format!("board coarse.toml --page A5 --tile --set target.square_mm=5000 {ZONE}"), 2)
+            .contains("larger --page")
     );
     small(&desk);
     assert!(desk.stdout("board small.toml --margin-mm 0 --page A4").contains("on A4 (297 × 210 mm)"));

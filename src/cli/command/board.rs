@@ -6,8 +6,8 @@ use clap::{Args, ValueEnum};
 
 use crate::cli::arguments::ProblemArguments;
 use crate::cli::interrupt::writing;
+use crate::cli::output::Screen;
 use crate::cli::output::failure::Failure;
-use crate::cli::output::{Screen, short};
 use crate::figures::trimmed;
 use crate::formats::read_at_most;
 use crate::plan::document::{BoardDocument, PrintedFile};
@@ -134,7 +134,7 @@ fn text(name: &str, artwork: &Artwork, print: &Print, files: &[PrintedFile], arg
          Print at 100 %, not fitted to the page, and measure the bar: {} mm.",
         artwork.title,
         print.paper,
-        short(print.white),
+        trimmed(print.white, 1),
         files.join(", "),
         print.scale_bar
     );

@@ -27,8 +27,7 @@ pub(super) fn tiles(artwork: &Artwork, paper: Paper, margin: f64, title: &str) -
     let ways = [paper, paper.turned()].into_iter().filter_map(|paper| Grid::new(artwork, paper, margin));
     let grid = ways.min_by_key(Grid::count).ok_or(PrintError::NoRoom { paper, margin })?;
     if grid.count() > MOST {
-        let pages = grid.count();
-        return Err(PrintError::TooManyPages { pattern: artwork.size, paper: grid.paper, pages, most: MOST });
+        return Err(PrintError::TooManyPages { pattern: artwork.size, paper: grid.paper, most: MOST });
     }
     Ok(grid.print(artwork, title))
 }
