@@ -21,6 +21,12 @@ pub fn fixed(number: f64, decimals: usize) -> String {
     if is_zero { text.trim_start_matches('-').to_owned() } else { text }
 }
 
+/// A number to at most so many decimals, as many as it needs: 35, 35.7.
+pub fn trimmed(number: f64, decimals: usize) -> String {
+    let text = fixed(number, decimals);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
 /// A number to four significant digits.
 pub fn short(number: f64) -> String {
     if !number.is_finite() {
@@ -50,5 +56,7 @@ mod tests {
     fn zero_has_no_sign() {
         assert_eq!([-0.04, 6.13e-15, -6.13e-15, -0.05001].map(|q| fixed(q, 1)), ["0.0", "0.0", "0.0", "-0.1"]);
         assert_eq!(fixed(-0.4, 0), "0");
+        assert_eq!([35.0, 0.0357 * 1e3, -1e-9, 100.0].map(|length| trimmed(length, 4)), ["35", "35.7", "0", "100"]);
+        assert_eq!(trimmed(100.4, 0), "100");
     }
 }

@@ -43,9 +43,9 @@
 //!
 //! # Modules
 //!
-//! A module imports only from those before it: [`figures`], [`spatial`], [`selection`], [`camera`], [`target`], [`robot`], [`sweep`],
-//! [`feasibility`], [`information`], [`calibration`], [`verification`], [`formats`], [`problem`], [`mod@plan`], [`cli`]. The
-//! stages up to `verification` know no files and no command line; `selection` knows no robots and no cameras either.
+//! A module imports only from those before it: [`figures`], [`spatial`], [`selection`], [`camera`], [`target`], [`robot`],
+//! [`print`](mod@print), [`sweep`], [`feasibility`], [`information`], [`calibration`], [`verification`], [`formats`],
+//! [`problem`], [`mod@plan`], [`cli`]. The stages up to `verification` know no files and no command line; `selection` knows no robots and no cameras either.
 #![allow(
     non_snake_case,
     mixed_script_confusables,
@@ -63,6 +63,7 @@ pub mod figures;
 pub mod formats;
 pub mod information;
 pub mod plan;
+pub mod print;
 pub mod problem;
 pub mod robot;
 pub mod selection;

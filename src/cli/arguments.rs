@@ -1,6 +1,6 @@
 //! Arguments that several commands share.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
@@ -32,6 +32,11 @@ pub(super) struct SelectionArguments {
 }
 
 impl ProblemArguments {
+    /// The problem file.
+    pub(super) fn path(&self) -> &Path {
+        &self.file
+    }
+
     /// The problem, with `options` (keys and what was typed for them) after those of `--set`.
     ///
     /// # Errors

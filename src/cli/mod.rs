@@ -19,7 +19,7 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
 use arguments::ProblemArguments;
 use command::{
-    calibrate, certify, check, compare, completions, explain, init, next, plan, polish, reach, sweep, verify,
+    board, calibrate, certify, check, compare, completions, explain, init, next, plan, polish, reach, sweep, verify,
 };
 use output::Screen;
 use output::failure::Failure;
@@ -88,6 +88,8 @@ enum Command {
     Next(next::NextArguments),
     /// Find joint values that bring the camera to a requested pose
     Reach(reach::ReachArguments),
+    /// Draw the calibration target at true scale, as PDF and SVG
+    Board(board::BoardArguments),
     /// Validate a problem file and say what a run would do
     Check(ProblemArguments),
     /// Write a commented starter problem file, or one drafted from a robot's URDF
@@ -184,6 +186,7 @@ fn run(command: &Command, screen: &mut Screen) -> Result<Verdict, Failure> {
         Command::Certify(arguments) => certify::run(arguments, screen).map(good),
         Command::Next(arguments) => next::run(arguments, screen),
         Command::Reach(arguments) => reach::run(arguments, screen).map(good),
+        Command::Board(arguments) => board::run(arguments, screen).map(good),
         Command::Check(arguments) => check::run(arguments, screen).map(good),
         Command::Init { file, urdf } => init::run(file.as_deref(), urdf.as_deref(), screen).map(good),
         Command::Schema { kind } => init::schema(kind).map(good),

@@ -179,6 +179,7 @@ fn every_document_is_as_its_schema_says() {
         "sweep coarse.toml",
         "reach coarse.toml --distance-mm 400",
         "check coarse.toml",
+        "board coarse.toml",
         "init new.toml",
     ] {
         let output = desk.run(&format!("{line} --json"));
@@ -212,6 +213,9 @@ fn the_rarer_parts_of_documents_are_as_their_schemas_say() {
     held.hold(&accurate);
     held.hold(&desk.json("certify accurate/plan.json --json"));
     held.hold(&desk.json("check accurate.toml --json"));
+    let tiled = desk.json("board coarse.toml --tile --json");
+    assert!(tiled["tiles"].is_object());
+    held.hold(&tiled);
     let rover = Path::new("problems/six-axis-rover.toml").canonicalize().unwrap();
     let checked = desk.json(&format!("check {} --json", rover.display()));
     assert!(checked["self_collision"].is_object());

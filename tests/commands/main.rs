@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, non_snake_case, reason = "tests")]
 
+mod board;
 mod calibrate_command;
 mod command_line;
 mod desk;

@@ -32,6 +32,7 @@ LINES = [
     f"sweep {PROBLEM} --step 20",
     f"reach {PROBLEM} --distance-mm 400",
     f"check {PROBLEM}",
+    f"board {PROBLEM} --tile -o drawn",
     "init new.toml",
     "check none.toml",
     f"plan {PROBLEM} --set camera.fx_px=0",

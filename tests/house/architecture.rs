@@ -6,13 +6,14 @@ use std::path::{Path, PathBuf};
 use crate::reading::{House, files_below, in_circles, is_word, without_comments};
 
 /// The modules; each may use those above it.
-const ORDER: [&str; 15] = [
+const ORDER: [&str; 16] = [
     "figures",
     "spatial",
     "selection",
     "camera",
     "target",
     "robot",
+    "print",
     "sweep",
     "feasibility",
     "information",
@@ -25,7 +26,7 @@ const ORDER: [&str; 15] = [
 ];
 
 /// The files and rooms in a room; each may use those before it, and all may use the room's own `mod.rs`.
-const ROOMS: [(&str, &[&str]); 17] = [
+const ROOMS: [(&str, &[&str]); 20] = [
     (
         "selection",
         &[
@@ -47,6 +48,9 @@ const ROOMS: [(&str, &[&str]); 17] = [
     ("selection::instance", &["constraints", "packing"]),
     ("selection::search", &["node", "fewest"]),
     ("robot", &["joint", "tree", "chain", "dh", "mechanism", "turn", "inverse"]),
+    ("print", &["paper", "error", "artwork", "layout", "svg", "pdf"]),
+    ("print::artwork", &["text", "checkerboard"]),
+    ("print::layout", &["strip", "sheet", "tiles"]),
     (
         "feasibility",
         &["rejection", "visibility", "shortfall", "solid", "hull", "collision", "occlusion", "stability", "views"],

@@ -1,5 +1,6 @@
 //! The commands, one file each.
 
+pub(crate) mod board;
 pub(crate) mod calibrate;
 pub(crate) mod certify;
 pub(crate) mod check;

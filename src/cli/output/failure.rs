@@ -13,6 +13,7 @@ use crate::plan::assess::{CertifyError, VerifyError};
 use crate::plan::choose::{ConstraintError, PlanError};
 use crate::plan::results::{FileError, RUN_FILE};
 use crate::plan::survey::SurveyError;
+use crate::print::{Paper, PrintError};
 use crate::problem::{DraftError, ProblemError};
 use crate::selection::SelectionError;
 
@@ -75,6 +76,9 @@ pub(crate) enum Failure {
     #[error("{} exists already", .0.display())]
     #[diagnostic(help("choose another name, or remove the file first"))]
     Exists(PathBuf),
+    #[error(transparent)]
+    #[diagnostic(help("{}", print_help(.0)))]
+    Print(#[from] PrintError),
     #[error("the run would take {needed} of memory; this machine has {total}")]
     #[diagnostic(help("{remedy}"))]
     Memory { needed: String, total: String, remedy: &'static str },
@@ -103,6 +107,7 @@ impl Failure {
             Failure::Certify { .. } => "certificate",
             Failure::Unreached { .. } => "unreached",
             Failure::Exists(_) => "exists",
+            Failure::Print(_) => "page",
             Failure::Usage(_) => "command-line",
             Failure::Verify(_) => "no-verification",
         }
@@ -120,6 +125,13 @@ impl Failure {
                     }),
                 ..
             } => 2,
+            // Another page or margin helps.
+            Failure::Print(
+                PrintError::TooSmall { .. }
+                | PrintError::NoRoom { .. }
+                | PrintError::TooManyPages { .. }
+                | PrintError::Margin { .. },
+            ) => 2,
             // The nearest configuration was shown.
             Failure::Unreached { .. } => 4,
             Failure::Problem(_)
@@ -205,6 +217,22 @@ fn plan_help(error: &PlanError) -> String {
         PlanError::Selection(_) | PlanError::Clustering(_) => "this is probably a bug; please report it",
     };
     help.into()
+}
+
+fn print_help(error: &PrintError) -> String {
+    match error {
+        PrintError::TooSmall { next: Some(Paper { name: Some(name), .. }), .. } => {
+            format!("take --page {name}, the next standard size, or spread it over several pages with --tile")
+        }
+        PrintError::TooSmall { .. } => {
+            "spread it over several pages with --tile, or leave --page out for one made to measure".into()
+        }
+        PrintError::NoRoom { .. } => "take a larger --page, or a smaller --margin-mm".into(),
+        PrintError::TooManyPages { .. } => "take a larger --page".into(),
+        PrintError::TooLarge { .. } => "spread it over several pages with --tile".into(),
+        PrintError::Margin { .. } => "give the border that the printer leaves white".into(),
+        PrintError::Board { .. } => "correct `target` in the problem file".into(),
+    }
 }
 
 fn draft_help(error: &DraftError) -> &'static str {

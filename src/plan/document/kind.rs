@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::answers::{CalibrationDocument, Certified, ComparisonDocument, Explanation, NextDocument, Verification};
 use super::header::Document;
 use super::plan::{Plan, PolishedPlan, Run};
-use super::problem::{CheckDocument, InitDocument, ReachDocument, SweepDocument};
+use super::problem::{BoardDocument, CheckDocument, InitDocument, ReachDocument, SweepDocument};
 use super::refusal::ErrorDocument;
 
 /// A kind of document.
@@ -23,7 +23,7 @@ pub struct Kind {
 
 impl Kind {
     /// Every kind, those first that are written beside a plan.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::of::<Plan>(),
         Self::of::<Run>(),
         Self::of::<Verification>(),
@@ -36,6 +36,7 @@ impl Kind {
         Self::of::<SweepDocument>(),
         Self::of::<ReachDocument>(),
         Self::of::<CheckDocument>(),
+        Self::of::<BoardDocument>(),
         Self::of::<InitDocument>(),
         Self::of::<ErrorDocument>(),
     ];

@@ -24,9 +24,9 @@ pub use plan::{
     SurveyCounts, joints_deg,
 };
 pub use problem::{
-    CameraSights, CheckDocument, ClosePair, DiagnosisDocument, InitDocument, LensDocument, NoteDocument,
-    ObstacleDocument, PublishedCounts, ReachDocument, ReachedConfiguration, SelfCollision, Sight, Suspicion,
-    SweepCounts, SweepDocument, TestedPair,
+    BoardDocument, CameraSights, CheckDocument, ClosePair, DiagnosisDocument, InitDocument, LensDocument, NoteDocument,
+    ObstacleDocument, PageDocument, PatternDocument, PrintedFile, PublishedCounts, ReachDocument, ReachedConfiguration,
+    SelfCollision, Sight, Suspicion, SweepCounts, SweepDocument, TestedPair, TilesDocument,
 };
 pub use refusal::{ErrorDocument, FaultDocument, FaultInFile};
 pub use views::views_csv;

@@ -1,5 +1,6 @@
 //! What is answered about a problem before there is a plan.
 
+mod board;
 mod check;
 mod init;
 mod reach;
@@ -7,6 +8,7 @@ mod self_collision;
 mod sights;
 mod sweep;
 
+pub use board::{BoardDocument, PageDocument, PatternDocument, PrintedFile, TilesDocument};
 pub use check::{CheckDocument, DiagnosisDocument, LensDocument, NoteDocument, ObstacleDocument, Suspicion};
 pub use init::InitDocument;
 pub use reach::{ReachDocument, ReachedConfiguration};
