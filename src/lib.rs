@@ -45,7 +45,8 @@
 //!
 //! A module imports only from those before it: [`figures`], [`spatial`], [`selection`], [`camera`], [`target`], [`robot`],
 //! [`print`](mod@print), [`sweep`], [`feasibility`], [`information`], [`calibration`], [`verification`], [`formats`],
-//! [`problem`], [`mod@plan`], [`cli`]. The stages up to `verification` know no files and no command line; `selection` knows no robots and no cameras either.
+//! [`problem`], [`mod@plan`], [`report`], [`cli`]. The stages up to `verification` know no files and no command line; `selection`
+//! knows no robots and no cameras either.
 #![allow(
     non_snake_case,
     mixed_script_confusables,
@@ -65,6 +66,7 @@ pub mod information;
 pub mod plan;
 pub mod print;
 pub mod problem;
+pub mod report;
 pub mod robot;
 pub mod selection;
 pub mod spatial;

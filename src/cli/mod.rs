@@ -19,7 +19,8 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
 use arguments::ProblemArguments;
 use command::{
-    board, calibrate, certify, check, compare, completions, explain, init, next, plan, polish, reach, sweep, verify,
+    board, calibrate, certify, check, compare, completions, explain, figures, init, next, plan, polish, reach, report,
+    sweep, verify,
 };
 use output::Screen;
 use output::failure::Failure;
@@ -78,6 +79,10 @@ enum Command {
     Explain(explain::ExplainArguments),
     /// Move a plan's poses off the grid, to better joint values nearby
     Polish(polish::PolishArguments),
+    /// Show a plan, simulated calibrations, a comparison or a calibration on a page
+    Report(report::ReportArguments),
+    /// Draw the plots of a plan, each as a file fit for a paper
+    Figures(figures::FiguresArguments),
     /// Count configurations, candidates and views, at one or several steps
     Sweep(sweep::SweepArguments),
     /// Simulate calibrations from a plan's poses and compare them with the prediction
@@ -181,6 +186,8 @@ fn run(command: &Command, screen: &mut Screen) -> Result<Verdict, Failure> {
         Command::Calibrate(arguments) => calibrate::run(arguments, screen),
         Command::Explain(arguments) => explain::run(arguments, screen).map(good),
         Command::Polish(arguments) => polish::run(arguments, screen).map(good),
+        Command::Report(arguments) => report::run(arguments, screen).map(good),
+        Command::Figures(arguments) => figures::run(arguments, screen).map(good),
         Command::Sweep(arguments) => sweep::run(arguments, screen).map(good),
         Command::Verify(arguments) => verify::run(arguments, screen),
         Command::Certify(arguments) => certify::run(arguments, screen).map(good),

@@ -136,7 +136,7 @@ fn a_robust_loss_withstands_outliers_and_names_them() {
     let text = calibrate(folder.path(), &["corners.json", "--loss", "cauchy", "--camera-format", "ros", "-o", "ros"]);
     let text = String::from_utf8(text.stdout).unwrap();
     assert!(text.contains("Outlier: 2.png, column 3, row 1: "), "{text}");
-    assert_eq!(std::fs::read_dir(folder.path().join("ros")).unwrap().count(), 2);
+    assert_eq!(std::fs::read_dir(folder.path().join("ros")).unwrap().count(), 3);
 }
 
 #[test]
@@ -462,6 +462,7 @@ fn camera_files_of_an_older_calibration_go() {
     std::fs::write(folder.path().join("calibration/notes.txt"), "mine").unwrap();
     run(&["--lens", "kannala-brandt"]);
     let expected = [
+        "calibration.html",
         "calibration.json",
         "camchain.yaml",
         "camera.opencv.json",
@@ -471,7 +472,7 @@ fn camera_files_of_an_older_calibration_go() {
     ];
     assert_eq!(names(), expected);
     run(&["--lens", "kannala-brandt", "--camera-format", "ros"]);
-    assert_eq!(names(), ["calibration.json", "camera_info.yaml", "notes.txt"]);
+    assert_eq!(names(), ["calibration.html", "calibration.json", "camera_info.yaml", "notes.txt"]);
 }
 
 #[test]

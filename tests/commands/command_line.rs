@@ -29,11 +29,11 @@ fn read_csv(path: &Path) -> (Vec<String>, Vec<Vec<f64>>) {
 #[test]
 fn plan_says_and_writes_what_it_found() {
     let desk = Desk::new();
-    let summary = desk.stdout("plan coarse.toml -k 10 -o out");
+    let summary = desk.prose("plan coarse.toml -k 10 -o out");
     for words in ["certified efficiency", "see the whole board", "predicted sigma", "k-means", "Written to out"] {
         assert!(summary.contains(words), "{words:?} is missing from\n{summary}");
     }
-    assert_eq!(desk.files("out"), ["plan.csv", "plan.json", "run.json", "verification.json"]);
+    assert_eq!(desk.files("out"), ["plan.csv", "plan.json", "report.html", "run.json", "verification.json"]);
 
     let plan = read_json(&desk.path("out/plan.json"));
     let documented = [
@@ -123,7 +123,7 @@ fn the_views_are_the_same_in_both_formats() {
     let desk = Desk::new();
     let views = desk.json("plan coarse.toml --json --views csv -o out")["survey"]["views"].as_u64().unwrap();
     assert_eq!(desk.stdout("plan coarse.toml --quiet --views parquet -o table"), "");
-    let others = ["plan.csv", "plan.json", "run.json", "verification.json"];
+    let others = ["plan.csv", "plan.json", "report.html", "run.json", "verification.json"];
     assert_eq!(desk.files("out"), [&others[..], &["views.csv"]].concat());
     assert_eq!(desk.files("table"), [&others[..], &["views.parquet"]].concat());
 
@@ -155,7 +155,7 @@ fn json_is_the_file_and_quiet_is_silent() {
     let printed = desk.stdout("plan coarse.toml --json -o out");
     assert_eq!(printed, std::fs::read_to_string(desk.path("out/plan.json")).unwrap());
     assert_eq!(desk.stdout("plan coarse.toml --quiet -o quiet"), "");
-    assert_eq!(desk.files("quiet"), ["plan.csv", "plan.json", "run.json", "verification.json"]);
+    assert_eq!(desk.files("quiet"), ["plan.csv", "plan.json", "report.html", "run.json", "verification.json"]);
     assert_eq!(desk.stdout("plan coarse.toml --quiet --json -o out"), printed);
     for line in [
         "sweep coarse.toml -q",
@@ -176,7 +176,10 @@ fn a_plan_replaces_the_one_before_whole() {
     desk.stdout("plan coarse.toml -q -k 10 -o out");
     assert_eq!(read_json(&desk.path("out/plan.json"))["count"], 10);
     assert_eq!(read_csv(&desk.path("out/plan.csv")).1.len(), 10);
-    assert_eq!(desk.files("out"), ["notes.txt", "plan.csv", "plan.json", "run.json", "verification.json"]);
+    assert_eq!(
+        desk.files("out"),
+        ["notes.txt", "plan.csv", "plan.json", "report.html", "run.json", "verification.json"]
+    );
     assert_eq!(std::fs::read_to_string(desk.path("out/notes.txt")).unwrap(), "mine");
     // A run that fails leaves it alone.
     let before = std::fs::read(desk.path("out/plan.json")).unwrap();
@@ -532,7 +535,7 @@ fn what_told_of_an_earlier_plan_does_not_stay_beside_a_new_one() {
     desk.stdout("plan coarse.toml -q -k 10 --trials 2 --views csv -o out");
     assert!(desk.files("out").contains(&"views.csv".to_owned()));
     desk.stdout("plan coarse.toml -q -k 12 --trials 0 -o out");
-    assert_eq!(desk.files("out"), ["plan.csv", "plan.json", "run.json"]);
+    assert_eq!(desk.files("out"), ["plan.csv", "plan.json", "report.html", "run.json"]);
 }
 
 /// An even stride through the grid would always meet the last joint at one value.

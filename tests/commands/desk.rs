@@ -47,6 +47,11 @@ impl Desk {
         stdout(self.folder.path(), line)
     }
 
+    /// The same with its lines joined: prose is wrapped.
+    pub(crate) fn prose(&self, line: &str) -> String {
+        self.stdout(line).split_whitespace().collect::<Vec<_>>().join(" ")
+    }
+
     /// What a command prints that did its work and says that its result is bad.
     pub(crate) fn bad(&self, line: &str) -> String {
         let output = self.run(line);

@@ -11,7 +11,7 @@ fn plan(method: &str, threads: usize, folder: &Path) -> Vec<u8> {
     let output = folder.join(format!("{method}-{threads}"));
     let run = command(Path::new("."), "")
         .env("RAYON_NUM_THREADS", threads.to_string())
-        .args(["plan", FILE, "--quiet", "--trials", "0", "--method", method, "--output"])
+        .args(["plan", FILE, "--quiet", "--set", "sweep.step_deg=12", "--trials", "0", "--method", method, "--output"])
         .arg(&output)
         .output()
         .unwrap();
@@ -38,7 +38,20 @@ fn another_seed_gives_another_random_plan() {
     let with_seed = |seed: &str| {
         let output = folder.path().join(seed);
         let run = command(Path::new("."), "")
-            .args(["plan", FILE, "--quiet", "--method", "random", "--seed", seed, "--output"])
+            .args([
+                "plan",
+                FILE,
+                "--quiet",
+                "--set",
+                "sweep.step_deg=12",
+                "--trials",
+                "0",
+                "--method",
+                "random",
+                "--seed",
+                seed,
+                "--output",
+            ])
             .arg(&output)
             .status()
             .unwrap();

@@ -13,7 +13,7 @@ use crate::desk::Desk;
 /// What in `value` is not as `schema` says, with the place. Stricter than JSON Schema in one thing: a key that the schema does
 /// not describe is a fault. Knows the words that the program's schemas use, and refuses others.
 fn faults(root: &Value, schema: &Value, value: &Value, place: &str) -> Vec<String> {
-    const KNOWN: [&str; 19] = [
+    const KNOWN: [&str; 20] = [
         "$ref",
         "$defs",
         "$schema",
@@ -23,6 +23,7 @@ fn faults(root: &Value, schema: &Value, value: &Value, place: &str) -> Vec<Strin
         "type",
         "const",
         "anyOf",
+        "oneOf",
         "properties",
         "required",
         "additionalProperties",
@@ -40,7 +41,7 @@ fn faults(root: &Value, schema: &Value, value: &Value, place: &str) -> Vec<Strin
     };
     let strange: Vec<&String> = words.keys().filter(|word| !KNOWN.contains(&word.as_str())).collect();
     assert!(strange.is_empty(), "{place}: the test does not know {strange:?}");
-    let is_anything = !["$ref", "type", "anyOf", "const", "enum"].iter().any(|&word| words.contains_key(word));
+    let is_anything = !["$ref", "type", "anyOf", "oneOf", "const", "enum"].iter().any(|&word| words.contains_key(word));
     if is_anything {
         return Vec::new();
     }
@@ -52,6 +53,10 @@ fn faults(root: &Value, schema: &Value, value: &Value, place: &str) -> Vec<Strin
     if let Some(options) = schema["anyOf"].as_array() {
         let all: Vec<Vec<String>> = options.iter().map(|option| faults(root, option, value, place)).collect();
         return if all.iter().any(Vec::is_empty) { Vec::new() } else { all.concat() };
+    }
+    if let Some(options) = schema["oneOf"].as_array() {
+        let all: Vec<Vec<String>> = options.iter().map(|option| faults(root, option, value, place)).collect();
+        return if all.iter().filter(|faults| faults.is_empty()).count() == 1 { Vec::new() } else { all.concat() };
     }
     if let Some(only) = words.get("const").filter(|only| *only != value) {
         fault(format!("{value} in place of {only}"));
@@ -168,6 +173,8 @@ fn every_document_is_as_its_schema_says() {
     let problem = Problem::read(&desk.path("coarse.toml")).unwrap();
     std::fs::write(desk.path("seen.json"), observations(&plan, &problem).to_string()).unwrap();
     for line in [
+        "report out/plan.json",
+        "figures out/plan.json --format svg",
         "verify out/plan.json -n 30",
         "certify out/plan.json",
         "explain out/plan.json --most 13 --spares 1",

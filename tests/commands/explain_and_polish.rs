@@ -107,6 +107,7 @@ fn polish_writes_better_poses_beside_the_plan() {
     assert!(!again.contains("Removed") && desk.path().join("out/polished.csv").exists(), "{again}");
     stdout(desk.path(), "polish out/plan.json --cycles 1 -q");
     let other = stdout(desk.path(), "plan problem.toml --trials 0 -k 9 -o out");
+    let other = other.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(other.contains("Removed, because made from the previous plan: polished.json, polished.csv."), "{other}");
     assert!(!desk.path().join("out/polished.json").exists() && !desk.path().join("out/polished.csv").exists());
 }

@@ -12,5 +12,6 @@ mod explain_and_polish;
 mod next_poses;
 mod overrides;
 mod reach;
+mod report;
 mod result_files;
 mod selection_commands;

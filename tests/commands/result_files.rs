@@ -77,7 +77,7 @@ fn a_killed_run_leaves_the_files_of_one_run_or_it_is_found_out() {
     }
     // The next run makes it good, and clears up.
     desk.stdout("plan coarse.toml -q --trials 0 -o out -k 8");
-    assert_eq!(desk.files("out"), ["plan.csv", "plan.json", "run.json"], "after {torn} torn sets");
+    assert_eq!(desk.files("out"), ["plan.csv", "plan.json", "report.html", "run.json"], "after {torn} torn sets");
     desk.stdout("verify out/plan.json -n 2");
 }
 

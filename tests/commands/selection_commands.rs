@@ -70,7 +70,7 @@ fn the_proven_best_is_no_worse_than_the_best_found() {
     let value = |plan: &Value| plan["value"].as_f64().unwrap();
     assert!(value(&exact) <= value(&best) * (1.0 + 1e-9));
     assert!(exact["efficiency"].as_f64().unwrap() > 1.0 - 1e-8);
-    assert!(desk.stdout("plan coarse.toml -k 8 --method exact --trials 0 -o exact").contains("proven optimal"));
+    assert!(desk.prose("plan coarse.toml -k 8 --method exact --trials 0 -o exact").contains("proven optimal"));
     assert!(desk.stdout("certify exact/plan.json").contains("found by search"));
     // What a search may claim lies between the value and what the matrix proves.
     for (name, bound) in [("below the value", value(&exact) * 1.01), ("beyond the matrix", value(&exact) * 0.5)] {

@@ -22,6 +22,8 @@ PROBLEM = ROOT / "problems/servosila-engineer.toml"
 CORNERS = ROOT / "problems/examples/servosila-corners.vnl"
 LINES = [
     f"plan {PROBLEM} -o out --trials 2",
+    "report out/plan.json",
+    "figures out/plan.json --format svg",
     "verify out/plan.json -n 30",
     "certify out/plan.json",
     "explain out/plan.json --most 12 --spares 1",

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::reading::{House, files_below, in_circles, is_word, without_comments};
 
 /// The modules; each may use those above it.
-const ORDER: [&str; 16] = [
+const ORDER: [&str; 17] = [
     "figures",
     "spatial",
     "selection",
@@ -22,11 +22,12 @@ const ORDER: [&str; 16] = [
     "formats",
     "problem",
     "plan",
+    "report",
     "cli",
 ];
 
 /// The files and rooms in a room; each may use those before it, and all may use the room's own `mod.rs`.
-const ROOMS: [(&str, &[&str]); 20] = [
+const ROOMS: [(&str, &[&str]); 24] = [
     (
         "selection",
         &[
@@ -103,8 +104,15 @@ const ROOMS: [(&str, &[&str]); 20] = [
         "plan::choose",
         &["baseline", "choice", "constraints", "error", "objective", "chooser", "refined_survey", "decide"],
     ),
-    ("plan::document", &["header", "plan", "views", "problem", "answers", "refusal", "kind"]),
-    ("plan::assess", &["locate", "compare", "explain", "verify", "forecast", "polish", "next", "reach", "certify"]),
+    ("plan::document", &["header", "error_grid", "plan", "views", "problem", "answers", "review", "refusal", "kind"]),
+    ("plan::document::review", &["picture", "accuracy", "scene"]),
+    (
+        "plan::assess",
+        &["locate", "compare", "explain", "verify", "forecast", "polish", "next", "reach", "review", "certify"],
+    ),
+    ("report", &["figure", "drawing", "plots", "page"]),
+    ("report::page", &["facts", "head", "table", "picture", "plan", "verification", "comparison", "calibration"]),
+    ("report::plots", &["coverage", "accuracy", "poses", "space", "calibration", "comparison"]),
     ("cli", &["interrupt", "output", "arguments", "memory", "long_work", "loaded_plan", "command"]),
 ];
 

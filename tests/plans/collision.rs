@@ -174,7 +174,7 @@ fn check_and_plan_say_that_nothing_is_tested_where_nothing_has_a_body() {
     let arm = desk(WITHOUT_BODIES, "");
     let said = "Collision: NOT tested (no bodies)";
     assert!(arm.stdout("check arm.toml").contains(said));
-    let text = arm.stdout("plan arm.toml -o out --trials 0");
+    let text = arm.prose("plan arm.toml -o out --trials 0");
     assert!(text.contains(said) && text.contains("[[scene.bodies]]"), "{text}");
     assert!(!text.contains("can be taken"), "{text}");
     let document = &plan_json(&arm)["collision"];
@@ -187,7 +187,7 @@ fn check_and_plan_say_that_nothing_is_tested_where_nothing_has_a_body() {
         WITHOUT_BODIES,
         "[[scene.bodies]]\nname = \"table\"\nbox_mm = [2000, 2000, 20]\npose = { position_mm = [0, 0, -15] }",
     );
-    let text = table.stdout("plan arm.toml -o out --trials 0");
+    let text = table.prose("plan arm.toml -o out --trials 0");
     assert!(text.contains("Collision: NOT tested (the robot has no bodies): table"), "{text}");
     assert_eq!(plan_json(&table)["collision"]["tested"], false);
 }
@@ -199,12 +199,12 @@ fn cells_that_are_not_modelled_are_said_to_be_so_until_there_are_obstacles() {
     let said = "The cell is NOT modelled: add [[scene.bodies]]";
     let bare = desk(&capsules, "");
     assert!(bare.stdout("check arm.toml").contains(said));
-    assert!(bare.stdout("plan arm.toml -o out --trials 0").contains(said));
+    assert!(bare.prose("plan arm.toml -o out --trials 0").contains(said));
     assert_eq!(plan_json(&bare)["collision"]["scene"], json!([]));
     let table = "[[scene.bodies]]\nname = \"table\"\nbox_mm = [2000, 2000, 20]\npose = { position_mm = [0, 0, -15] }";
     let cell =
         desk(&capsules.replace("[[robot.bodies]]\nlink = \"elbow_joint\"", "[[robot.bodies]]\nlink = \"base\""), table);
-    let text = cell.stdout("plan arm.toml -o out --trials 0");
+    let text = cell.prose("plan arm.toml -o out --trials 0");
     assert!(
         !text.contains(said) && text.contains("against each other, the board and table, clearance 1.000 mm"),
         "{text}"
@@ -240,7 +240,7 @@ fn refusals_name_the_pairs_that_are_always_within_the_clearance_and_the_remedy()
     let ignored = "clearance_mm = 10\nignore = [[\"wrist_1_joint\", \"wrist_3_joint\"]]";
     let helped =
         desk(&CAPSULES.replace("clearance_mm = 10", ignored).replace("[2000, 2000, 20]", "[150, 150, 20]"), "");
-    let text = helped.stdout("plan arm.toml -o out --trials 0");
+    let text = helped.prose("plan arm.toml -o out --trials 0");
     assert!(!text.contains("Hardly any configuration can pass"), "{text}");
 }
 

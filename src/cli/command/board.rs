@@ -21,7 +21,7 @@ pub(crate) struct BoardArguments {
     /// Folder, or a file that ends with .pdf or .svg [default: PROBLEM-board.pdf and .svg in the working directory]
     #[arg(long, short)]
     output: Option<PathBuf>,
-    /// A5 to A0, letter, legal, tabloid, ansi-c to ansi-e, or WIDTHxHEIGHT in mm; turned as it fits [default: the smallest of A4
+    /// A5 to A0, letter, legal, tabloid, ansi-c to ansi-e, or a size in mm such as 400x300; turned as it fits [default: the smallest of A4
     /// to A0 that does]
     #[arg(long, value_name = "PAGE")]
     page: Option<Paper>,

@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::plan::pose_table;
 use crate::calibration::{CalibrationSettings, calibrate};
 use crate::cli::interrupt::writing;
 use crate::cli::loaded_plan::LoadedPlan;
 use crate::cli::long_work::sweeping;
 use crate::cli::output::collision::untested_text;
 use crate::cli::output::failure::Failure;
+use crate::cli::output::pose_table::pose_table;
 use crate::cli::output::verdict::Verdict;
 use crate::cli::output::{Screen, short, table};
 use crate::formats::{Known, read_detections_file};

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use clap::Args;
 
+use super::report::{REPORT_FILE, Reported};
 use super::verify::verdict;
 use crate::cli::arguments::{ProblemArguments, SelectionArguments, method};
 use crate::cli::interrupt::writing;
@@ -12,15 +13,17 @@ use crate::cli::long_work::{searching, sweeping};
 use crate::cli::memory::hold_against_memory;
 use crate::cli::output::collision::{close_text, tested_text};
 use crate::cli::output::failure::Failure;
+use crate::cli::output::pose_table::pose_table;
 use crate::cli::output::verdict::Verdict;
-use crate::cli::output::{Screen, fixed, grouped, joint_columns, short, table};
+use crate::cli::output::{Screen, grouped, short, table, wrapped};
 use crate::cli::{TableFormat, trials};
 use crate::plan::assess::{compare, verify};
 use crate::plan::choose::{Chooser, decide, refined_survey};
-use crate::plan::document::{Document, Plan, PlannedPose, Run, RunSeconds, Verification, views_csv};
+use crate::plan::document::{Document, Plan, Run, RunSeconds, Verification, views_csv};
 use crate::plan::results::{PLAN_FILE, RUN_FILE, add_results, owner, probe, write_results};
 use crate::plan::survey::Survey;
 use crate::problem::{Method, Problem};
+use crate::report::plan_page;
 use crate::verification::{Disturbance, Judgement, MonteCarlo};
 
 #[derive(Debug, Args)]
@@ -75,37 +78,46 @@ pub(crate) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<Verd
     let mut run = Run::new(&problem, &arguments.problem.file, seconds);
     let files = arguments.files(&problem, &survey, &plan)?;
     let mut written: Vec<&str> = files.iter().rev().map(|(name, _)| *name).collect();
-    let removed = writing(|| write_results(&problem.output, &mut run, &files))?;
+    let mut removed = writing(|| write_results(&problem.output, &mut run, &files))?;
 
     let bar = screen.progress("verifying", arguments.trials);
     let verified = verified(&problem, &plan, arguments.trials, &|_| bar.inc(1));
     bar.finish_and_clear();
     let verified = verified?;
-    if let Some(found) = &verified {
-        let verification = Verification::new(&plan, found, &Judgement::new(found), plan.seed);
-        let files = [("verification.json", verification.to_json().into_bytes())];
-        run.seconds.total = start.elapsed().as_secs_f64();
-        let path = problem.output.join(PLAN_FILE);
-        writing(|| add_results(&path, plan.to_json().as_bytes(), Some(&run), &files))?;
-        written.push("verification.json");
-    }
+    let verification =
+        verified.as_ref().map(|found| Verification::new(&plan, found, &Judgement::new(found), plan.seed));
+    // Without trials those of the same plan, if they are still there.
+    let known = verification.clone().or_else(|| Verification::read(&problem.output, &plan));
+    let reported = Reported::new(&plan, &chooser, &decision.choice.selected, known)?;
+    let report = plan_page(&reported.documents(&plan));
+    let checked = verification.iter().map(|found| ("verification.json", found.to_json().into_bytes()));
+    let files: Vec<(&str, Vec<u8>)> = checked.chain([(REPORT_FILE, report.into_bytes())]).collect();
+    run.seconds.total = start.elapsed().as_secs_f64();
+    let path = problem.output.join(PLAN_FILE);
+    writing(|| add_results(&path, plan.to_json().as_bytes(), Some(&run), &files))?;
+    written.extend(files.iter().map(|(name, _)| *name));
+    removed.retain(|name| !written.contains(name));
 
     screen.document(&plan)?;
     let verdict = verified.as_ref().map_or(Verdict::Good, |found| verdict(&Judgement::new(found)));
     if screen.shows_text() {
-        screen.text(&format!(
-            "{}{}{}\nWritten to {}: {}, {RUN_FILE}, in {:.2} s.{}",
-            summary(&problem, &survey, &chooser, &plan)?,
-            verified.as_ref().map(sentence).unwrap_or_default(),
-            collision(&problem, &survey, &plan),
+        let removed = if removed.is_empty() {
+            String::new()
+        } else {
+            format!("\nRemoved, because made from the previous plan: {}.", removed.join(", "))
+        };
+        let written = format!(
+            "Written to {}: {}, {RUN_FILE}, in {:.2} s.{removed}",
             problem.output.display(),
             written.join(", "),
             start.elapsed().as_secs_f64(),
-            if removed.is_empty() {
-                String::new()
-            } else {
-                format!("\nRemoved, because made from the previous plan: {}.", removed.join(", "))
-            },
+        );
+        screen.text(&format!(
+            "{}\n\n{}\n{}\n\n{}",
+            wrapped(&headline(&plan, verified.as_ref())),
+            summary(&problem, &survey, &chooser, &plan, verified.as_ref())?,
+            collision(&problem, &survey, &plan),
+            wrapped(&written),
         ))?;
     }
     Ok(verdict)
@@ -165,11 +177,25 @@ fn verified(
     Ok(Some(verify(problem, &configurations, &Disturbance::default(), trials, plan.seed, observe)?))
 }
 
+/// What the plan is worth, and whether it does what it predicts.
+fn headline(plan: &Plan, verified: Option<&MonteCarlo>) -> String {
+    let judged = match verified {
+        Some(found) => Judgement::new(found).to_string(),
+        None => "Verdict: none, because no calibration was simulated.".into(),
+    };
+    format!(
+        "{}: {} poses, predicted map error {} px RMS over the image.\n{judged}",
+        plan.problem.name,
+        plan.count,
+        short(plan.map_error_px)
+    )
+}
+
 /// What the poses were tested against, in lines of their own.
 fn collision(problem: &Problem, survey: &Survey, plan: &Plan) -> String {
     let tested = plan.collision.as_ref().map(|document| tested_text(problem, document));
     let close = Some(close_text(problem, &survey.links)).filter(|text| !text.is_empty());
-    tested.into_iter().chain(close).map(|line| format!("\n{line}")).collect()
+    tested.into_iter().chain(close).map(|line| wrapped(&line)).collect::<Vec<_>>().join("\n")
 }
 
 /// What the trials showed, in one line.
@@ -180,10 +206,9 @@ fn sentence(found: &MonteCarlo) -> String {
         format!("{} of them failed", found.failures.len())
     };
     format!(
-        "\n{} simulated calibrations, {failed}: map error {} px measured. {}",
+        "{} simulated calibrations, {failed}: map error {} px measured.",
         found.count,
-        short(found.map_error.measured),
-        Judgement::new(found),
+        short(found.map_error.measured)
     )
 }
 
@@ -191,55 +216,63 @@ fn in_memory(error: impl std::fmt::Display) -> Failure {
     Failure::Table(error.to_string())
 }
 
-fn summary(problem: &Problem, survey: &Survey, chooser: &Chooser, plan: &Plan) -> Result<String, Failure> {
+fn summary(
+    problem: &Problem,
+    survey: &Survey,
+    chooser: &Chooser,
+    plan: &Plan,
+    verified: Option<&MonteCarlo>,
+) -> Result<String, Failure> {
     let counts = &plan.survey;
-    let mut text = format!(
-        "{}: {} configurations swept, {} axes in the zone ({} of them on its edge), {} {}.\n",
-        plan.problem.name,
+    let mut found = format!(
+        "{} configurations swept, {} axes in the zone ({} of them on its edge), {} {}.",
         grouped(counts.swept),
         grouped(counts.axis_inside + counts.axis_edge),
         grouped(counts.axis_edge),
         grouped(counts.views),
         what_views_do(problem),
     );
+    if counts.refined > 0 {
+        found += &format!(
+            " These include views among {} more configurations, tried around picked poses.",
+            grouped(counts.refined)
+        );
+    }
     let rejected: Vec<String> = counts
         .rejected
         .iter()
         .filter(|&(_, &count)| count > 0)
         .map(|(reason, &count)| format!("{} {}", reason.replace('_', " "), grouped(count)))
         .collect();
-    if counts.refined > 0 {
-        text += &format!(
-            "These include views among {} more configurations, tried around picked poses.\n",
-            grouped(counts.refined)
-        );
-    }
     if !rejected.is_empty() {
-        text += &format!("Candidates rejected, by reason: {}.\n", rejected.join(", "));
+        found += &format!("\nCandidates rejected, by reason: {}.", rejected.join(", "));
     }
-    text += &format!("\n{}\n\n", outcome(plan));
-    text += &pose_table(problem, &plan.poses);
 
     let intrinsics = &plan.intrinsics;
     let rows: Vec<Vec<String>> = (0..intrinsics.names.len())
         .map(|i| vec![intrinsics.names[i].clone(), short(intrinsics.nominal[i]), short(intrinsics.sigma[i])])
         .collect();
-    text += &format!("\n\n{}\n", table(&["intrinsic", "nominal", "predicted sigma"], &rows));
 
     let baselines = [Method::KMeansJoints, Method::KMeansPositions];
     let comparison = compare(chooser, &baselines, &[plan.count], plan.seed, BASELINE_SEEDS, &mut || {})?;
     let of = |i: usize| short(comparison.rows[i].choice.map_error);
-    text += &format!(
-        "\nPredicted map error {} px RMS over the image. {} k-means poses of {} views: {} px (clustered on joints), {} px \
-         (on camera positions{}).",
-        short(plan.map_error_px),
+    let compared = format!(
+        "{} k-means poses of {} views: map error {} px (clustered on joints), {} px (on camera positions{}).",
         plan.count,
         grouped(survey.views.len()),
         of(0),
         of(1),
-        if problem.constraints.allow_all() { "" } else { "; without the constraints" },
+        if problem.constraints.allow_all() { "" } else { "; constraints aside" },
     );
-    Ok(text)
+    let tried = verified.map(|found| format!("{}\n", sentence(found))).unwrap_or_default();
+    Ok(format!(
+        "{}\n\n{}\n\n{}\n\n{}\n\n{}",
+        wrapped(&outcome(plan)),
+        pose_table(problem, &plan.poses),
+        table(&["intrinsic", "nominal", "predicted sigma"], &rows),
+        wrapped(&format!("{tried}{compared}")),
+        wrapped(&found),
+    ))
 }
 
 /// What was chosen and what is proven of it.
@@ -269,7 +302,7 @@ fn outcome(plan: &Plan) -> String {
     let chosen = format!("{count} poses by `{method}` for criterion `{criterion}`: value {}", short(*value));
     match search {
         Some(search) if search.end == "optimal" => format!(
-            "{chosen}, proven optimal:\nno {count} of the {views} views are better ({} nodes).",
+            "{chosen}, proven optimal: no {count} of the {views} views are better ({} nodes).",
             grouped(search.nodes)
         ),
         _ => {
@@ -277,7 +310,7 @@ fn outcome(plan: &Plan) -> String {
                 .as_ref()
                 .map(|search| format!(" The search ended by {} after {} nodes.", search.end, grouped(search.nodes)));
             format!(
-                "{chosen}, bound {}, certified efficiency {efficiency:.4}:\nno {count} of the {views} views can give \
+                "{chosen}, bound {}, certified efficiency {efficiency:.4}: no {count} of the {views} views can give \
                  more than {spare:.2} % more information.{}",
                 short(*bound),
                 ended.unwrap_or_default(),
@@ -295,36 +328,4 @@ pub(crate) fn what_views_do(problem: &Problem) -> &'static str {
         (Some(_), false) => "see enough of the board",
         (Some(_), true) => "can be taken and see enough of the board",
     }
-}
-
-/// The poses in degrees and mm, one a row.
-pub(crate) fn pose_table(problem: &Problem, poses: &[PlannedPose]) -> String {
-    let joints = joint_columns(&problem.robot.chain.joints);
-    let header: Vec<String> = std::iter::once("pose".into())
-        .chain(joints)
-        .chain(["tilt [deg]", "distance [mm]", "share [%]"].map(String::from))
-        .chain(problem.stability.as_ref().map(|_| "tip-over margin [mm]".into()))
-        .chain(problem.visibility.min_corners.map(|_| "corners".into()))
-        .collect();
-    let corners = problem.target.board.corner_count();
-    let rows: Vec<Vec<String>> = poses
-        .iter()
-        .map(|pose| {
-            let joints = pose.joints_deg.iter().map(|q| fixed(*q, 1));
-            std::iter::once(pose.id.to_string())
-                .chain(joints)
-                .chain([
-                    format!("{:.1}", pose.tilt_deg),
-                    format!("{:.0}", 1e3 * pose.distance_m),
-                    format!("{:.1}", 100.0 * pose.share),
-                ])
-                .chain(pose.stability_margin_m.map(|margin| fixed(1e3 * margin, 0)))
-                .chain(problem.visibility.min_corners.map(|_| {
-                    let seen = pose.corners_seen.as_ref().map_or(corners, Vec::len);
-                    seen.to_string()
-                }))
-                .collect()
-        })
-        .collect();
-    table(&header.iter().map(String::as_str).collect::<Vec<_>>(), &rows)
 }

@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::plan::pose_table;
 use crate::cli::interrupt::writing;
 use crate::cli::loaded_plan::LoadedPlan;
 use crate::cli::output::collision::untested_text;
 use crate::cli::output::failure::Failure;
+use crate::cli::output::pose_table::pose_table;
 use crate::cli::output::{Screen, short};
 use crate::plan::assess::{PolishSettings, polish};
 use crate::plan::document::Document;

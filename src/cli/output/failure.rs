@@ -46,6 +46,8 @@ pub(crate) enum Failure {
     },
     #[error("cannot use the plan {}: {reason}", path.display())]
     PlanFile { path: PathBuf, reason: String },
+    #[error("cannot use the document {}: {reason}", path.display())]
+    Document { path: PathBuf, reason: String },
     #[error("the plan {} and the files beside it are not from one run: {} {} not match {RUN_FILE}", path.display(),
         files.join(", "), if files.len() == 1 { "does" } else { "do" })]
     #[diagnostic(help(
@@ -102,6 +104,7 @@ impl Failure {
             Failure::Observations { .. } => "observations",
             Failure::Calibration { .. } => "no-calibration",
             Failure::PlanFile { .. } => "plan-file",
+            Failure::Document { .. } => "document",
             Failure::Mixed { .. } => "mixed-files",
             Failure::OtherPlan { .. } => "other-plan",
             Failure::Certify { .. } => "certificate",
@@ -124,9 +127,9 @@ impl Failure {
                         ..
                     }),
                 ..
-            } => 2,
+            }
             // Another page or margin helps.
-            Failure::Print(
+            | Failure::Print(
                 PrintError::TooSmall { .. }
                 | PrintError::NoRoom { .. }
                 | PrintError::TooManyPages { .. }
@@ -137,6 +140,7 @@ impl Failure {
             Failure::Problem(_)
             | Failure::Draft { .. }
             | Failure::PlanFile { .. }
+            | Failure::Document { .. }
             | Failure::Mixed { .. }
             | Failure::Observations { .. } => 3,
             _ => 1,

@@ -3,6 +3,7 @@
 pub(super) mod collision;
 mod error_document;
 pub(super) mod failure;
+pub(super) mod pose_table;
 mod progress;
 pub(super) mod verdict;
 
@@ -114,6 +115,22 @@ impl Screen {
     }
 }
 
+/// Columns of a terminal that texts and tables keep to.
+pub(crate) const WIDTH: usize = 80;
+
+/// Prose in lines that fit a terminal; numbers keep together, and so do they with their unit.
+pub(crate) fn wrapped(text: &str) -> String {
+    let characters: Vec<char> = text.chars().collect();
+    let digit = |i: usize| characters.get(i).is_some_and(char::is_ascii_digit);
+    let joined = |i: usize| {
+        let unit = characters[i + 1..].starts_with(&['p', 'x']);
+        characters[i] == ' ' && i > 0 && digit(i - 1) && (unit || (1..=3).all(|next| digit(i + next)))
+    };
+    let bound = (0..characters.len()).map(|i| if joined(i) { '\u{a0}' } else { characters[i] }).collect::<String>();
+    let options = textwrap::Options::new(WIDTH).break_words(false).word_splitter(textwrap::WordSplitter::NoHyphenation);
+    textwrap::fill(&bound, options).replace('\u{a0}', " ")
+}
+
 /// A table with a header; the first column to the left, the others to the right.
 pub(crate) fn table(header: &[&str], rows: &[Vec<String>]) -> String {
     let mut table = Table::new();
@@ -129,4 +146,20 @@ pub(crate) fn table(header: &[&str], rows: &[Vec<String>]) -> String {
 /// Headings of the joints' columns, with their units.
 pub(crate) fn joint_columns(joints: &[Joint]) -> impl Iterator<Item = String> {
     joints.iter().map(|joint| format!("{} [{}]", joint.name, joint.kind.display_unit()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{WIDTH, wrapped};
+
+    #[test]
+    fn numbers_stay_whole_where_prose_is_wrapped() {
+        for before in 60..WIDTH {
+            let text = format!("{} of 502 656 views at 7.146 px", "x".repeat(before));
+            let lines = wrapped(&text);
+            assert!(lines.lines().all(|line| line.chars().count() <= WIDTH), "{lines}");
+            assert!(lines.contains("502 656") && lines.contains("7.146 px"), "{lines}");
+            assert_eq!(lines.replace('\n', " "), text);
+        }
+    }
 }

@@ -150,7 +150,7 @@ pub fn equivalent_kmeans(
     Ok(Equivalent { method, poses: Some(enough), tried: enough })
 }
 
-fn median_choice(
+pub(super) fn median_choice(
     chooser: &Chooser,
     method: Method,
     count: usize,

@@ -264,7 +264,6 @@ mod tests {
         problem.constraints.view_separation = 4f64.to_radians();
         let survey = survey(&problem, &|_| {}).unwrap();
         let problems = [
-            best_ten(&[(Criterion::V, 1.0)]),
             best_ten(&[(Criterion::V, 0.8), (Criterion::Diversity, 0.2)]),
             best_ten(&[(Criterion::E, 1.0)]),
             Goal::Fewest { accuracies: vec![(Accuracy::MapError, 3.0), (Accuracy::Intrinsic(0), 4.0)] },

@@ -8,6 +8,7 @@ mod locate;
 mod next;
 mod polish;
 mod reach;
+mod review;
 mod verify;
 
 pub use certify::{BrokenConstraint, CertifyError, Confirmed, Unchecked, certify};
@@ -18,4 +19,5 @@ pub use locate::LocateError;
 pub use next::{Proposal, Rehearsal, Request, next};
 pub use polish::{PolishSettings, Polished, polish};
 pub use reach::reach_starts;
+pub use review::review;
 pub use verify::{VerifyError, verify};

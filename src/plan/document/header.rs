@@ -24,6 +24,11 @@ pub trait Document: Serialize + JsonSchema {
         text.push('\n');
         text
     }
+
+    /// The document on one line, as other files hold it.
+    fn to_line(&self) -> String {
+        serde_json::to_string(self).unwrap_or_default()
+    }
 }
 
 /// What a document is and what made it. The problem that it is about follows under `problem`, in all that are about one.

@@ -5,11 +5,14 @@ use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;
 use serde_json::Value;
 
-use super::answers::{CalibrationDocument, Certified, ComparisonDocument, Explanation, NextDocument, Verification};
+use super::answers::{
+    CalibrationDocument, Certified, ComparisonDocument, Explanation, FiguresDocument, NextDocument, Verification,
+};
 use super::header::Document;
 use super::plan::{Plan, PolishedPlan, Run};
 use super::problem::{BoardDocument, CheckDocument, InitDocument, ReachDocument, SweepDocument};
 use super::refusal::ErrorDocument;
+use super::review::Review;
 
 /// A kind of document.
 #[derive(Debug, Clone, Copy)]
@@ -23,13 +26,15 @@ pub struct Kind {
 
 impl Kind {
     /// Every kind, those first that are written beside a plan.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 17] = [
         Self::of::<Plan>(),
         Self::of::<Run>(),
         Self::of::<Verification>(),
         Self::of::<PolishedPlan>(),
         Self::of::<NextDocument>(),
         Self::of::<Explanation>(),
+        Self::of::<Review>(),
+        Self::of::<FiguresDocument>(),
         Self::of::<Certified>(),
         Self::of::<ComparisonDocument>(),
         Self::of::<CalibrationDocument>(),

@@ -1,19 +1,23 @@
 //! The documents that leave the program, typed and versioned: one header, and a JSON Schema for each.
 
 mod answers;
+mod error_grid;
 mod header;
 mod kind;
 mod plan;
 mod problem;
 mod refusal;
+mod review;
 mod views;
 
 pub use answers::{
     CalibratedView, CalibrationDocument, Certified, CombinationTerm, ComparisonDocument, ComparisonEquivalent,
-    ComparisonRow, CurvePoint, EstimatedIntrinsics, Explanation, FailedTrial, LeastKnown, MapErrorCheck,
-    MapErrorOverImage, MeasuredRow, NextDocument, NotChecked, OutlierDocument, ParameterCheck, PictureSize,
-    PoseExplanation, RequestedAccuracy, ResidualLengths, SimulatedMapError, SparePose, Suffering, Verification,
+    ComparisonRow, CornerResidual, CurvePoint, EstimatedIntrinsics, Explanation, FailedTrial, FigureFile,
+    FiguresDocument, LeastKnown, MapErrorCheck, MapErrorOverImage, MeasuredRow, NextDocument, NotChecked,
+    OutlierDocument, ParameterCheck, PictureSize, PoseExplanation, RequestedAccuracy, ResidualLengths,
+    SimulatedMapError, SparePose, Suffering, Verification,
 };
+pub use error_grid::ErrorGrid;
 pub(crate) use header::finite;
 pub use header::{Document, Header, ProblemReference};
 pub use kind::Kind;
@@ -29,6 +33,11 @@ pub use problem::{
     SelfCollision, Sight, Suspicion, SweepCounts, SweepDocument, TestedPair, TilesDocument,
 };
 pub use refusal::{ErrorDocument, FaultDocument, FaultInFile};
+pub(crate) use review::image_share;
+pub use review::{
+    BoundPoint, OtherChoice, Picture, Review, ReviewedPose, Scene, SceneBoard, SceneCamera, SceneJoint, SceneLink,
+    SceneMotion, SceneShape, SceneSolid, SurveyedViews,
+};
 pub use views::views_csv;
 #[cfg(feature = "parquet")]
 pub use views::views_parquet;

@@ -22,8 +22,16 @@ pub const PLAN_FILE: &str = "plan.json";
 pub const RUN_FILE: &str = "run.json";
 
 /// Files beside a plan that not every run writes; those of one plan must not stay beside another.
-pub const OPTIONAL_FILES: [&str; 7] =
-    ["verification.json", "views.csv", "views.parquet", "polished.json", "polished.csv", "next.json", "next.csv"];
+pub const OPTIONAL_FILES: [&str; 8] = [
+    "verification.json",
+    "report.html",
+    "views.csv",
+    "views.parquet",
+    "polished.json",
+    "polished.csv",
+    "next.json",
+    "next.csv",
+];
 
 impl Run {
     /// The run that left its `run.json` in `folder`; `None` if there is none that can be read.

@@ -397,9 +397,10 @@ fn rounded(number: f64) -> String {
 impl fmt::Display for Diagnosis {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         if let Some(Obstacle { stops_all, nearest }) = &self.obstacle {
-            let tried = match nearest.is_of_robot() {
-                true => "tested configurations that see the board".to_owned(),
-                false => format!("{} configurations tried", grouped(self.tried)),
+            let tried = if nearest.is_of_robot() {
+                "tested configurations that see the board".to_owned()
+            } else {
+                format!("{} configurations tried", grouped(self.tried))
             };
             let reason = nearest.name().replace('_', " ");
             if *stops_all {

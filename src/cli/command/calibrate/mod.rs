@@ -22,6 +22,7 @@ use crate::formats::{CameraFormat, Detections, Known, read_detections_file};
 use crate::plan::document::{CalibrationDocument, Document, ProblemReference};
 use crate::plan::results::{probe, write_together};
 use crate::problem::{Accuracy, Problem};
+use crate::report::calibration_page;
 use crate::target::Board;
 
 #[derive(Debug, Args)]
@@ -131,7 +132,8 @@ pub(crate) fn run(arguments: &CalibrateArguments, screen: &mut Screen) -> Result
     let assessment = Assessment::new(observations, &calibration, loss, other, &setting.requested);
     let problem = setting.problem.as_ref().map(ProblemReference::new);
     let document = CalibrationDocument::new(problem, &found, &calibration, &assessment);
-    let mut files = vec![("calibration.json", document.to_json().into_bytes())];
+    let page = calibration_page(&document).into_bytes();
+    let mut files = vec![("calibration.json", document.to_json().into_bytes()), ("calibration.html", page)];
     let mut left_out = String::new();
     for format in formats {
         match format.write(&calibration.camera) {

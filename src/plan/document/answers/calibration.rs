@@ -1,15 +1,20 @@
 //! A calibrated camera and what it is worth: `calibration.json`.
 
+use nalgebra::Vector2;
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use crate::calibration::{Assessment, Calibration};
+use crate::calibration::{Assessment, Calibration, Corner, residuals};
 use crate::formats::Detections;
+use crate::plan::document::error_grid::ErrorGrid;
 use crate::plan::document::header::{Document, Header, ProblemReference, finite};
 use crate::plan::document::plan::Pose;
 
+/// Corners of a calibration whose residuals are listed at most.
+const MOST_RESIDUALS: usize = 100_000;
+
 /// A calibrated camera, the poses of its views, and how well they are known. Lengths in px unless the key says otherwise.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CalibrationDocument {
     /// What it is and what made it.
     #[serde(flatten)]
@@ -44,6 +49,9 @@ pub struct CalibrationDocument {
     pub outliers: Vec<OutlierDocument>,
     /// Predicted map error.
     pub map_error_px: MapErrorOverImage,
+    /// The same over the image; older calibrations do not say.
+    #[serde(default)]
+    pub error_map: Option<ErrorGrid>,
     /// Accuracies requested.
     pub requested: Vec<RequestedAccuracy>,
     /// `good`, `fair`, `weak`, `missed`, `outliers`, `wrong lens` or `not converged`.
@@ -53,7 +61,7 @@ pub struct CalibrationDocument {
 }
 
 /// Size of images.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct PictureSize {
     /// Width, px.
     pub width_px: u32,
@@ -62,7 +70,7 @@ pub struct PictureSize {
 }
 
 /// Intrinsics with their values and standard deviations; lists of one length.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EstimatedIntrinsics {
     /// Names.
     pub names: Vec<String>,
@@ -73,7 +81,7 @@ pub struct EstimatedIntrinsics {
 }
 
 /// Lengths of the residuals, and their mean.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ResidualLengths {
     /// Half of them are shorter.
     pub median: Option<f64>,
@@ -86,7 +94,7 @@ pub struct ResidualLengths {
 }
 
 /// A view, with the pose of the board in the camera's frame.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CalibratedView {
     /// Name of its image.
     pub name: String,
@@ -97,10 +105,26 @@ pub struct CalibratedView {
     /// The board's pose.
     #[serde(flatten)]
     pub pose: Pose,
+    /// Each corner and its residual; left out in calibrations of more than 100 000 corners.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub residuals: Vec<CornerResidual>,
+}
+
+/// A corner and how far its projection is from it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct CornerResidual {
+    /// The corner's column on the board, from 0.
+    pub column: usize,
+    /// Its row, from 0.
+    pub row: usize,
+    /// Where it was detected [u, v].
+    pub corner_px: [f64; 2],
+    /// Projection less detection [u, v].
+    pub residual_px: [f64; 2],
 }
 
 /// A corner that does not fit.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct OutlierDocument {
     /// Name of the view's image.
     pub view: String,
@@ -115,7 +139,7 @@ pub struct OutlierDocument {
 }
 
 /// Predicted map error; `null` where the lens does not reach.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MapErrorOverImage {
     /// At the image's centre.
     pub centre: Option<f64>,
@@ -128,7 +152,7 @@ pub struct MapErrorOverImage {
 }
 
 /// An accuracy requested, and what is reached.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct RequestedAccuracy {
     /// What is to be accurate: `map error [px]`, `sigma of fx`.
     pub what: String,
@@ -153,14 +177,24 @@ impl CalibrationDocument {
     ) -> Self {
         let Detections { observations, names, skipped } = detections;
         let Calibration { camera, estimated, covariance, .. } = calibration;
-        let Assessment { map_errors, residuals, requested, judgement, lacks: _, verdict } = assessment;
+        let Assessment { map_errors, residuals: lengths, requested, judgement, lacks: _, verdict } = assessment;
         let all = camera.lens().parameter_names();
         let name = |i: usize| all[i].to_owned();
+        let fits = (observations.corner_count() <= MOST_RESIDUALS)
+            .then(|| residuals(observations, camera, &calibration.poses));
+        let of_view = |i: usize| {
+            let of = |(corner, residual): (&Corner, &Vector2<f64>)| {
+                let (column, row) = observations.board().column_and_row(corner.index);
+                CornerResidual { column, row, corner_px: corner.pixel.into(), residual_px: (*residual).into() }
+            };
+            fits.iter().flat_map(|fits| observations.views()[i].iter().zip(&fits[i])).map(of).collect()
+        };
         let views = names.iter().enumerate().map(|(i, name)| CalibratedView {
             name: name.clone(),
             corners: observations.views()[i].len(),
             rms_px: calibration.view_rms[i],
             pose: Pose::new(&calibration.poses[i]),
+            residuals: of_view(i),
         });
         let outliers = calibration.outliers.iter().map(|outlier| {
             let (column, row) = observations.board().column_and_row(outlier.index);
@@ -194,10 +228,10 @@ impl CalibrationDocument {
             rms_px: calibration.rms,
             sigma_px: calibration.sigma,
             residuals_px: ResidualLengths {
-                median: finite(residuals.median),
-                percentile_95: finite(residuals.percentile_95),
-                largest: finite(residuals.largest),
-                mean: [finite(residuals.mean.x), finite(residuals.mean.y)],
+                median: finite(lengths.median),
+                percentile_95: finite(lengths.percentile_95),
+                largest: finite(lengths.largest),
+                mean: [finite(lengths.mean.x), finite(lengths.mean.y)],
             },
             views: views.collect(),
             skipped: skipped.clone(),
@@ -208,6 +242,7 @@ impl CalibrationDocument {
                 corner: map_errors.corner,
                 rms: finite(map_errors.rms),
             },
+            error_map: Some(ErrorGrid::new(&calibration.unknowns(), covariance)),
             requested: requested.collect(),
             judgement: judgement.name().into(),
             verdict: verdict.clone(),

@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::de::{Deserializer, Error};
 use serde::ser::{SerializeMap, Serializer};
+use serde::{Deserialize, Serialize};
 
 use crate::plan::document::header::{Document, Header, ProblemReference};
 
 /// What every method chooses at several numbers of poses. Numbers that are infinite or undefined are `null`.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ComparisonDocument {
     /// What it is and what made it.
     #[serde(flatten)]
@@ -25,7 +26,7 @@ pub struct ComparisonDocument {
 }
 
 /// One method at one number of poses.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ComparisonRow {
     /// The method.
     pub method: String,
@@ -36,7 +37,7 @@ pub struct ComparisonRow {
     /// Predicted map error, px.
     pub map_error_px: Option<f64>,
     /// Predicted standard deviations by the names of the intrinsics, in their order; empty if one is undetermined.
-    #[serde(serialize_with = "by_name")]
+    #[serde(serialize_with = "by_name", deserialize_with = "from_names")]
     #[schemars(with = "BTreeMap<String, Option<f64>>")]
     pub sigma: Vec<(String, f64)>,
     /// What simulated calibrations came to; `null` if there were none.
@@ -48,7 +49,7 @@ pub struct ComparisonRow {
 }
 
 /// What simulated calibrations came to.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MeasuredRow {
     /// Calibrations simulated.
     pub trials: usize,
@@ -61,7 +62,7 @@ pub struct MeasuredRow {
 }
 
 /// How many poses clustered by k-means do what a plan does.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct ComparisonEquivalent {
     /// Number of poses of the plan.
     pub count: usize,
@@ -85,4 +86,14 @@ fn by_name<S: Serializer>(numbers: &[(String, f64)], serializer: S) -> Result<S:
         object.serialize_entry(name, number)?;
     }
     object.end()
+}
+
+/// The numbers of an object, by their names.
+fn from_names<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<(String, f64)>, D::Error> {
+    let object = serde_json::Map::deserialize(deserializer)?;
+    let number = |(name, value): (String, serde_json::Value)| match value.as_f64() {
+        Some(number) => Ok((name, number)),
+        None => Err(D::Error::custom(format!("the sigma of {name} is no number"))),
+    };
+    object.into_iter().map(number).collect()
 }

@@ -4,15 +4,17 @@ mod calibration;
 mod certified;
 mod comparison;
 mod explanation;
+mod figures;
 mod next;
 mod verification;
 
 pub use calibration::{
-    CalibratedView, CalibrationDocument, EstimatedIntrinsics, MapErrorOverImage, OutlierDocument, PictureSize,
-    RequestedAccuracy, ResidualLengths,
+    CalibratedView, CalibrationDocument, CornerResidual, EstimatedIntrinsics, MapErrorOverImage, OutlierDocument,
+    PictureSize, RequestedAccuracy, ResidualLengths,
 };
 pub use certified::{Certified, NotChecked};
 pub use comparison::{ComparisonDocument, ComparisonEquivalent, ComparisonRow, MeasuredRow};
 pub use explanation::{CombinationTerm, CurvePoint, Explanation, LeastKnown, PoseExplanation, SparePose, Suffering};
+pub use figures::{FigureFile, FiguresDocument};
 pub use next::{NextDocument, SimulatedMapError};
 pub use verification::{FailedTrial, MapErrorCheck, ParameterCheck, Verification};

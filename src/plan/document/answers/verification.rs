@@ -1,7 +1,9 @@
 //! Simulated calibrations of a plan, held against its prediction: `verification.json`.
 
+use std::path::Path;
+
 use schemars::JsonSchema;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::plan::document::header::{Document, Header, ProblemReference, finite};
 use crate::plan::document::plan::Plan;
@@ -15,7 +17,7 @@ const LISTED_FAILURES: usize = 1000;
 
 /// What simulated calibrations of a plan came to, beside what the plan predicts. Numbers that are infinite or undefined are
 /// `null`.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Verification {
     /// What it is and what made it.
     #[serde(flatten)]
@@ -47,7 +49,7 @@ pub struct Verification {
 }
 
 /// An intrinsic, predicted and simulated.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ParameterCheck {
     /// Its name.
     pub name: String,
@@ -64,7 +66,7 @@ pub struct ParameterCheck {
 }
 
 /// The RMS map error, predicted and simulated.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MapErrorCheck {
     /// By the plan.
     pub predicted: Option<f64>,
@@ -75,7 +77,7 @@ pub struct MapErrorCheck {
 }
 
 /// A trial that gave no camera.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct FailedTrial {
     /// The trial, from 0.
     pub trial: usize,
@@ -89,6 +91,16 @@ impl Document for Verification {
 }
 
 impl Verification {
+    /// That of `plan` in `folder`; `None` if there is none that can be read and is of the plan's problem and poses.
+    pub fn read(folder: &Path, plan: &Plan) -> Option<Self> {
+        let found: Self = serde_json::from_slice(&std::fs::read(folder.join("verification.json")).ok()?).ok()?;
+        let header = Self::header();
+        let fits = (&found.header.format, found.header.version) == (&header.format, header.version)
+            && found.problem == plan.problem
+            && found.count == plan.count;
+        fits.then_some(found)
+    }
+
     /// What was `found` for `plan` in trials of the `seed`, and how it is judged.
     pub fn new(plan: &Plan, found: &MonteCarlo, judgement: &Judgement, seed: u64) -> Self {
         let parameters = found.parameters.iter().map(|p| ParameterCheck {

@@ -1,6 +1,6 @@
 //! A pose of a plan, and poses as a table.
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Quaternion, Translation3, UnitQuaternion};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -52,6 +52,13 @@ impl Pose {
         let q = X.rotation.coords;
         let q = if q.w < 0.0 { -q } else { q };
         Self { position_m: X.translation.vector.into(), quaternion_xyzw: q.into() }
+    }
+
+    /// The rigid transform that it states.
+    pub fn transform(&self) -> crate::spatial::Pose {
+        let [x, y, z, w] = self.quaternion_xyzw;
+        let rotation = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
+        crate::spatial::Pose::from_parts(Translation3::from(self.position_m), rotation)
     }
 }
 

@@ -1,0 +1,99 @@
+//! What can be looked at of a plan.
+
+mod curve;
+
+use std::iter::zip;
+
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use super::compare::median_choice;
+use crate::feasibility::View;
+use crate::plan::choose::{Choice, Chooser, PlanError};
+use crate::plan::document::{
+    Document, ErrorGrid, OtherChoice, Picture, Plan, PlannedPose, ProblemReference, Review, ReviewedPose, Scene,
+    SurveyedViews, finite, image_share,
+};
+use crate::plan::survey::Survey;
+use crate::problem::{Method, Problem};
+use crate::selection::packed::inverse;
+
+/// Views that are listed at most.
+const MOST_VIEWS: usize = 20_000;
+
+/// Seeds of a clustering, of which the one with the median map error is taken.
+const SEEDS: usize = 5;
+
+/// Reviews `plan`, whose poses are the views `selected` of the chooser's survey.
+///
+/// # Errors
+/// When poses cannot be chosen otherwise for comparison.
+pub fn review(plan: &Plan, chooser: &Chooser, selected: &[usize]) -> Result<Review, PlanError> {
+    let (problem, survey) = (chooser.problem(), chooser.survey());
+    let chosen = chooser.assess(selected.to_vec());
+    let (other, _) = median_choice(chooser, Method::KMeansJoints, plan.count, plan.seed, SEEDS)?;
+    let covariance = |choice: &Choice| inverse(&chooser.information(&choice.selected));
+    let known = covariance(&chosen);
+    Ok(Review {
+        header: Review::header(),
+        problem: ProblemReference::new(problem),
+        scene: Scene::new(problem),
+        views: surveyed(problem, survey),
+        poses: zip(&plan.poses, selected)
+            .zip(1..)
+            .map(|((pose, &i), number)| reviewed_pose(pose, number, problem, &survey.views[i]))
+            .collect(),
+        others: vec![OtherChoice {
+            method: Method::KMeansJoints.name().into(),
+            ids: other.selected.iter().map(|&i| survey.views[i].id).collect(),
+            map_error_px: finite(other.map_error),
+            error_map: covariance(&other).map(|known| ErrorGrid::new(&problem.unknowns(), &known)),
+        }],
+        curve: curve::curve(plan, chooser)?,
+        correlation: known.as_ref().map(correlation).unwrap_or_default(),
+        error_map: known.as_ref().map(|known| ErrorGrid::new(&problem.unknowns(), known)),
+    })
+}
+
+fn reviewed_pose(pose: &PlannedPose, number: usize, problem: &Problem, view: &View) -> ReviewedPose {
+    ReviewedPose {
+        id: pose.id,
+        label: number.to_string(),
+        joints: pose.joints_rad.clone(),
+        joints_display: pose.joints_deg.clone(),
+        camera: pose.camera_in_base,
+        tilt_deg: pose.tilt_deg,
+        distance_m: pose.distance_m,
+        share: pose.share,
+        picture: Picture::new(&problem.camera, &problem.target.board, view),
+    }
+}
+
+fn surveyed(problem: &Problem, survey: &Survey) -> SurveyedViews {
+    let all = survey.views.len();
+    let stride = all.div_ceil(MOST_VIEWS).max(1);
+    let listed: Vec<&View> = survey.views.iter().step_by(stride).collect();
+    let eighths = |angle: f64| (angle.to_degrees() * 8.0).round() / 8.0;
+    // A tenth of a millimetre, a hundredth of a percent.
+    let fine = |x: f64| (x * 1e4).round() / 1e4;
+    let azimuth = |view: &View| {
+        let camera = view.X_CT.inverse().translation.vector;
+        eighths(camera.y.atan2(camera.x))
+    };
+    let share = |view: &&View| fine(image_share(&problem.camera, &problem.target.board, view));
+    SurveyedViews {
+        all,
+        ids: listed.iter().map(|view| view.id).collect(),
+        positions_m: listed.iter().flat_map(|view| <[f64; 3]>::from(view.X_BC.translation.vector).map(fine)).collect(),
+        tilt_deg: listed.iter().map(|view| eighths(view.tilt())).collect(),
+        azimuth_deg: listed.iter().map(|view| azimuth(view)).collect(),
+        distance_m: listed.iter().map(|view| fine(view.distance())).collect(),
+        image_share: listed.par_iter().map(share).collect(),
+    }
+}
+
+fn correlation(covariance: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    let sigma: Vec<f64> = covariance.diagonal().iter().map(|variance| variance.sqrt()).collect();
+    let row = |i: usize| sigma.iter().enumerate().map(|(j, σ)| covariance[(i, j)] / (sigma[i] * σ)).collect();
+    (0..sigma.len()).map(row).collect()
+}

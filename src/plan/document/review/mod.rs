@@ -1,0 +1,91 @@
+//! All that can be looked at of a plan: the robot and its surroundings, what was swept, what each pose shows, and how well the
+//! camera will be known over its image. With the plan it is what a report is made of.
+
+mod accuracy;
+mod picture;
+mod scene;
+
+pub use accuracy::{BoundPoint, OtherChoice};
+pub use picture::Picture;
+pub(crate) use picture::image_share;
+pub use scene::{Scene, SceneBoard, SceneCamera, SceneJoint, SceneLink, SceneMotion, SceneShape, SceneSolid};
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::error_grid::ErrorGrid;
+use super::header::{Document, Header, ProblemReference};
+use super::plan::Pose;
+
+/// What can be looked at of a plan. Lengths in m, angles in rad unless the key says otherwise; poses in the base frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Review {
+    /// What it is and what made it.
+    #[serde(flatten)]
+    pub header: Header,
+    /// The problem that the plan answers.
+    pub problem: ProblemReference,
+    /// The robot, the board and what stands around them.
+    #[serde(flatten)]
+    pub scene: Scene,
+    /// The views that the plan was chosen from.
+    pub views: SurveyedViews,
+    /// The plan's poses, by ascending id.
+    pub poses: Vec<ReviewedPose>,
+    /// As many poses chosen otherwise.
+    pub others: Vec<OtherChoice>,
+    /// What fewer and more poses give.
+    pub curve: Vec<BoundPoint>,
+    /// Correlation of the estimated intrinsics by the plan, row by row in the order of the plan's names; empty where the plan leaves
+    /// one undetermined.
+    pub correlation: Vec<Vec<f64>>,
+    /// The map error over the image; `null` where the plan leaves something undetermined.
+    pub error_map: Option<ErrorGrid>,
+}
+
+impl Document for Review {
+    const FORMAT: &'static str = "calipose.review";
+    const VERSION: u32 = 1;
+}
+
+/// Views, one an entry of each list; where there are very many, evenly spaced ones of them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SurveyedViews {
+    /// How many there are in all.
+    pub all: usize,
+    /// Numbers of the configurations, ascending.
+    pub ids: Vec<usize>,
+    /// Positions of the camera, x y z of each, rounded to 0.1 mm.
+    pub positions_m: Vec<f64>,
+    /// Angles between optical axis and the board's normal.
+    pub tilt_deg: Vec<f64>,
+    /// Directions of the camera about the board's normal, from the board's x towards its y.
+    pub azimuth_deg: Vec<f64>,
+    /// Distances from the camera to the board's centre.
+    pub distance_m: Vec<f64>,
+    /// Shares of the picture that the board's corners span.
+    pub image_share: Vec<f64>,
+}
+
+/// One pose of the plan.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ReviewedPose {
+    /// Number of the configuration.
+    pub id: usize,
+    /// Its number in the plan, from 1.
+    pub label: String,
+    /// Joint values, rad (m for prismatic joints).
+    pub joints: Vec<f64>,
+    /// Joint values, degrees (mm for prismatic joints).
+    pub joints_display: Vec<f64>,
+    /// Pose of the camera.
+    pub camera: Pose,
+    /// Angle between the optical axis and the board's normal.
+    pub tilt_deg: f64,
+    /// Distance from the camera to the board's centre.
+    pub distance_m: f64,
+    /// Share of the information at hand.
+    pub share: f64,
+    /// What the camera sees from there.
+    pub picture: Picture,
+}

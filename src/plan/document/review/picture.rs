@@ -1,0 +1,71 @@
+//! What the camera sees from a pose.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::camera::Camera;
+use crate::feasibility::View;
+use crate::target::Board;
+
+/// The board in the picture, px; pixel (0, 0) is the centre of the top-left pixel.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Picture {
+    /// Every corner, row by row; `null` where the lens shows none.
+    pub corners_px: Vec<Option<[f64; 2]>>,
+    /// Numbers of the corners that do not count: outside of the picture, or hidden.
+    pub unseen: Vec<usize>,
+    /// The dark squares, four points each.
+    pub squares_px: Vec<[[f64; 2]; 4]>,
+    /// Share of the picture that the corners span.
+    pub image_share: f64,
+    /// Distance of the corners seen from the picture's nearest side.
+    pub margin_px: f64,
+}
+
+impl Picture {
+    pub(crate) fn new(camera: &Camera, board: &Board, view: &View) -> Self {
+        let project = |point| camera.project(&(view.X_CT * point)).map(<[f64; 2]>::from);
+        let corners_px: Vec<_> = board.corners().map(project).collect();
+        let seen = |i: usize| view.seen.contains(i);
+        // Square (c, r) lies before corner (c, r); those beyond the last corner are of the board, too.
+        let square = |c: usize, r: usize| {
+            let origin = board.corner(0, 0);
+            let at = |dc: usize, dr: usize| {
+                let x = origin.x + ((c + dc) as f64 - 1.0) * board.square;
+                let y = origin.y + ((r + dr) as f64 - 1.0) * board.square;
+                project([x, y, 0.0].into())
+            };
+            Some([at(0, 0)?, at(1, 0)?, at(1, 1)?, at(0, 1)?])
+        };
+        let places = (0..=board.rows).flat_map(|r| (0..=board.columns).map(move |c| (c, r)));
+        let (width, height) = (f64::from(camera.width()), f64::from(camera.height()));
+        let margin = |&[u, v]: &[f64; 2]| u.min(v).min(width - 1.0 - u).min(height - 1.0 - v);
+        let counted =
+            || corners_px.iter().enumerate().filter(|&(i, _)| seen(i)).filter_map(|(_, corner)| corner.as_ref());
+        Self {
+            unseen: (0..corners_px.len()).filter(|&i| !seen(i)).collect(),
+            squares_px: places.filter(|(c, r)| (c + r) % 2 == 0).filter_map(|(c, r)| square(c, r)).collect(),
+            image_share: spanned(&corners_px, board) / (width * height),
+            margin_px: counted().map(margin).fold(f64::INFINITY, f64::min),
+            corners_px,
+        }
+    }
+}
+
+/// Area of the quadrilateral of the outermost corners, px²; 0 where the lens does not show all four.
+fn spanned(corners: &[Option<[f64; 2]>], board: &Board) -> f64 {
+    let last = board.columns * (board.rows - 1);
+    let outermost = [0, board.columns - 1, last + board.columns - 1, last].map(|i| corners[i]);
+    let [Some(a), Some(b), Some(c), Some(d)] = outermost else { return 0.0 };
+    let around = [(a, b), (b, c), (c, d), (d, a)];
+    0.5 * around.iter().map(|(p, q)| p[0] * q[1] - p[1] * q[0]).sum::<f64>().abs()
+}
+
+/// As [`Picture::image_share`], of any view.
+pub(crate) fn image_share(camera: &Camera, board: &Board, view: &View) -> f64 {
+    let project = |(column, row)| camera.project(&(view.X_CT * board.corner(column, row))).map(<[f64; 2]>::from);
+    let (c, r) = (board.columns - 1, board.rows - 1);
+    let corners = [(0, 0), (c, 0), (0, r), (c, r)].map(project);
+    let two = Board { columns: 2, rows: 2, ..*board };
+    spanned(&corners, &two) / (f64::from(camera.width()) * f64::from(camera.height()))
+}

@@ -1,0 +1,133 @@
+//! A plot, before it is drawn: what stands where, in which role.
+
+/// A plot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Figure {
+    /// Name of its file, and its anchor on a page.
+    pub name: &'static str,
+    /// Title.
+    pub title: String,
+    /// What to see in it, in a sentence or two.
+    pub caption: String,
+    /// Label of the horizontal axis.
+    pub x: String,
+    /// Label of the vertical axis.
+    pub y: String,
+    /// What is in it.
+    pub content: Content,
+}
+
+/// What is in a plot.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Content {
+    /// Points and lines on axes, the vertical one by the logarithm.
+    LogSeries(Vec<Series>),
+    /// Points and lines on axes.
+    Series(Vec<Series>),
+    /// A drawing true to scale, of points and lines.
+    Drawing(Vec<Series>),
+    /// Points in rows, whose names stand where the vertical axis would be; the last row is at 1, the others above.
+    Rows {
+        /// The names, from the top.
+        names: Vec<String>,
+        /// The points.
+        series: Vec<Series>,
+    },
+    /// The picture as a map: rows of numbers from its top to its bottom, coloured from 0 to `most`.
+    Map {
+        /// The numbers; none where there is nothing.
+        rows: Vec<Vec<Option<f64>>>,
+        /// Width and height of the picture, px.
+        size: [f64; 2],
+        /// The number of the last colour.
+        most: f64,
+        /// Unit of the numbers.
+        unit: &'static str,
+    },
+    /// A symmetric matrix of numbers from −1 to 1.
+    Matrix {
+        /// Names of rows and columns.
+        names: Vec<String>,
+        /// The numbers, row by row.
+        rows: Vec<Vec<f64>>,
+    },
+    /// Arrows on a picture, drawn longer than they are.
+    Arrows {
+        /// Tails and the vectors, px.
+        arrows: Vec<([f64; 2], [f64; 2])>,
+        /// Width and height of the picture, px.
+        size: [f64; 2],
+        /// Length drawn of a vector of 1 px, px.
+        scale: f64,
+    },
+    /// How many of what becomes what.
+    Flow(Vec<(String, String, f64)>),
+    /// Numbers with their intervals, one a row, and what they should be.
+    Intervals {
+        /// The rows.
+        rows: Vec<Interval>,
+        /// What they should be.
+        expected: f64,
+    },
+}
+
+/// Points that belong together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// Name in the legend.
+    pub name: String,
+    /// Colour.
+    pub hue: Hue,
+    /// How they are drawn.
+    pub mark: Mark,
+    /// The points.
+    pub points: Vec<(f64, f64)>,
+    /// What each point is; as many as points, or none.
+    pub titles: Vec<String>,
+}
+
+/// How points are drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Mark {
+    /// As small dots.
+    Dots,
+    /// As discs.
+    Discs,
+    /// As diamonds.
+    Diamonds,
+    /// As a line.
+    Line(Line),
+}
+
+/// The stroke of a line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Line {
+    /// Unbroken.
+    Solid,
+    /// Broken.
+    Dashed,
+}
+
+/// The role of a colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Hue {
+    /// Of the plan.
+    Plan,
+    /// Of another choice.
+    Other,
+    /// Of what there is to choose from.
+    Views,
+    /// Of a bound.
+    Bound,
+}
+
+/// A number and its interval.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Interval {
+    /// Name.
+    pub name: String,
+    /// The number.
+    pub value: f64,
+    /// Its least and greatest likely value.
+    pub range: (f64, f64),
+}

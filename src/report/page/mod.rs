@@ -1,0 +1,76 @@
+//! Reports: pages that stand alone, with plots, tables and, where there is something in space, a view of it.
+//!
+//! Everything is on the page without its script; that adds the view in space, choosing poses, and sorting of tables.
+
+mod calibration;
+mod comparison;
+mod facts;
+mod head;
+mod picture;
+mod plan;
+mod table;
+mod verification;
+
+pub use calibration::calibration_page;
+pub use comparison::comparison_page;
+pub use plan::plan_page;
+pub use verification::verification_page;
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use super::drawing::{Style, svg};
+use super::figure::Figure;
+
+const STYLE: &str = include_str!("web/report.css");
+const SCRIPT: &str = include_str!("web/dist/report.js");
+
+/// A whole page; `data` is what its script draws.
+fn page(title: &str, body: &Markup, data: Option<&str>) -> String {
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="generator" content="calipose";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (title) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                (body)
+                @if let Some(data) = data {
+                    script type="application/json" id="scene-data" { (PreEscaped(data.replace("</", "<\\/"))) }
+                }
+                script { (PreEscaped(SCRIPT)) }
+            }
+        }
+    };
+    page.into_string()
+}
+
+/// Plots beside each other.
+fn plots(figures: &[Figure]) -> Markup {
+    html! { div class="plots" { @for figure in figures { (plot(figure)) } } }
+}
+
+/// A plot with its title and caption.
+fn plot(figure: &Figure) -> Markup {
+    let drawn = svg(figure, &Style::page(560.0, 340.0));
+    html! {
+        figure class="plot" id=(figure.name) {
+            h3 { (figure.title) }
+            (PreEscaped(labelled(&drawn, figure)))
+            figcaption { (figure.caption) }
+        }
+    }
+}
+
+/// The drawing as an image with a name, as wide as its place.
+fn labelled(drawn: &str, figure: &Figure) -> String {
+    let name = html! { (figure.title) }.into_string();
+    drawn.replacen(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"560\" height=\"340\"",
+        &format!("<svg viewBox=\"0 0 560 340\" role=\"img\" aria-label=\"{name}\""),
+        1,
+    )
+}

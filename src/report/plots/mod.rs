@@ -1,0 +1,51 @@
+//! Which plots there are, and from which document each is made.
+
+mod accuracy;
+mod calibration;
+mod comparison;
+mod coverage;
+mod poses;
+mod space;
+
+use super::PlanDocuments;
+use super::figure::Figure;
+use crate::plan::document::{CalibrationDocument, ComparisonDocument, Verification};
+
+/// Views drawn at most; more would only hide each other.
+const MOST_DOTS: usize = 1500;
+
+/// The plots of a plan, in the order of a report.
+pub fn plan_figures(documents: &PlanDocuments) -> Vec<Figure> {
+    let PlanDocuments { plan, review, verification, .. } = documents;
+    let mut figures = vec![coverage::directions(review), coverage::pictures(review)];
+    figures.push(accuracy::by_count(review));
+    figures.extend(accuracy::over_image(review));
+    figures.extend(verification.map(accuracy::sampled));
+    figures.extend(accuracy::correlations(plan, review));
+    figures.push(poses::rejections(plan));
+    figures.push(poses::joints(review));
+    figures
+}
+
+/// Drawings in space, for paper: a page has a view in space in their place.
+pub fn plan_drawings(documents: &PlanDocuments) -> Vec<Figure> {
+    space::drawings(documents.plan, documents.review)
+}
+
+/// The plots of a calibration.
+pub(super) fn calibration_figures(calibration: &CalibrationDocument) -> Vec<Figure> {
+    let mut figures: Vec<Figure> = calibration::residuals(calibration).into_iter().collect();
+    figures.push(calibration::by_view(calibration));
+    figures.extend(calibration::uncertainty(calibration));
+    figures
+}
+
+/// The plots of simulated calibrations.
+pub(super) fn verification_figures(verification: &Verification) -> Vec<Figure> {
+    vec![accuracy::sampled(verification)]
+}
+
+/// The plots of a comparison.
+pub(super) fn comparison_figures(comparison: &ComparisonDocument) -> Vec<Figure> {
+    vec![comparison::map_errors(comparison)]
+}

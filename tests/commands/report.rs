@@ -1,0 +1,207 @@
+//! Reports and figures: whole pages that need nothing, made again as they were, and files fit for a paper.
+
+use std::fs;
+
+use roxmltree::Document;
+use serde_json::Value;
+
+use crate::desk::{Desk, stdout, text};
+
+fn planned() -> (Desk, Value) {
+    let desk = Desk::new();
+    let plan = desk.json("plan coarse.toml -k 8 --trials 40 -o out --json");
+    (desk, plan)
+}
+
+fn ids(plan: &Value) -> Vec<u64> {
+    plan["poses"].as_array().unwrap().iter().map(|pose| pose["id"].as_u64().unwrap()).collect()
+}
+
+#[test]
+fn a_report_is_one_page_that_needs_nothing_else() {
+    let (desk, plan) = planned();
+    let page = fs::read_to_string(desk.path("out/report.html")).unwrap();
+    assert!(page.starts_with("<!DOCTYPE html>") && page.len() < 3_000_000, "{}", page.len());
+    for outward in ["src=\"http", "href=\"http", "src='http", "@import", "url(http"] {
+        assert!(!page.contains(outward), "{outward}");
+    }
+    // The verdict is in the first line of the page's text, then what to do.
+    let verdict = page.find("class=\"verdict good\"").unwrap();
+    assert!(verdict < page.find("class=\"next\"").unwrap() && page.contains("Collision was not tested"));
+    for id in ids(&plan) {
+        for mark in [format!("data-pose=\"{id}\""), format!("data-pose-panel=\"{id}\""), format!("<title>pose {id}")] {
+            assert!(page.contains(&mark), "{mark}");
+        }
+    }
+    for figure in [
+        "coverage-directions",
+        "coverage-pictures",
+        "error-by-poses",
+        "error-over-image",
+        "error-over-image-other",
+        "sampled-sigma",
+        "correlation",
+        "rejections",
+        "joints",
+    ] {
+        assert!(page.contains(&format!("id=\"{figure}\"")), "{figure}");
+    }
+    assert!(!page.contains("NaN") || !page.contains(">NaN<"));
+
+    // Written anew it is the same, byte by byte.
+    let said = desk.stdout("report out/plan.json");
+    assert!(said.contains("Written to out/report.html"), "{said}");
+    assert!(page == fs::read_to_string(desk.path("out/report.html")).unwrap());
+    desk.stdout("certify out/plan.json -q");
+}
+
+#[test]
+fn a_report_follows_what_is_known_of_the_plan() {
+    let desk = Desk::new();
+    desk.stdout("plan coarse.toml -q -k 8 --trials 0 -o out");
+    let page = fs::read_to_string(desk.path("out/report.html")).unwrap();
+    assert!(page.contains("has not been tried in simulated calibrations") && !page.contains("id=\"sampled-sigma\""));
+    // With the same plan's trials beside it.
+    desk.stdout("plan coarse.toml -q -k 8 --trials 40 -o out");
+    let tried = fs::read_to_string(desk.path("out/report.html")).unwrap();
+    desk.stdout("plan coarse.toml -q -k 8 --trials 0 -o out");
+    assert!(
+        tried.contains("id=\"sampled-sigma\"") && tried == fs::read_to_string(desk.path("out/report.html")).unwrap()
+    );
+    // Another plan's are not taken for its own.
+    desk.stdout("plan coarse.toml -q -k 9 --trials 0 -o out");
+    assert!(!fs::read_to_string(desk.path("out/report.html")).unwrap().contains("id=\"sampled-sigma\""));
+    // What is not the map error has no bound on it.
+    desk.stdout("plan coarse.toml -q -k 8 --trials 0 --criterion d -o d");
+    let page = fs::read_to_string(desk.path("d/report.html")).unwrap();
+    assert!(page.contains("nothing is proven of this error") && !page.contains("no choice can be below"));
+}
+
+#[test]
+fn the_bound_on_other_numbers_of_poses_holds() {
+    let (desk, plan) = planned();
+    let review = desk.json("report out/plan.json --json");
+    let explained = desk.json("explain out/plan.json --most 16 --json");
+    let mut proven = 0;
+    for point in review["curve"].as_array().unwrap() {
+        let (Some(bound), count) = (point["bound_px"].as_f64(), point["count"].as_u64().unwrap()) else { continue };
+        // What `explain` finds for so many, its own relaxation behind it.
+        let other = explained["curve"].as_array().unwrap().iter().find(|other| other["count"] == count).unwrap();
+        if let Some(found) = other["map_error_px"].as_f64() {
+            assert!(bound <= found * (1.0 + 1e-9), "{count}: {bound} {found}");
+            proven += 1;
+        }
+        if let Some(tight) = other["bound"].as_f64() {
+            assert!(bound <= tight.sqrt() * (1.0 + 1e-6), "{count}: {bound} {tight}");
+        }
+        if count == plan["count"].as_u64().unwrap() {
+            assert!((bound * bound / plan["bound"].as_f64().unwrap() - 1.0).abs() < 1e-9);
+        }
+    }
+    assert!(proven > 8, "{proven}");
+}
+
+#[test]
+fn what_is_no_plan_of_the_problem_has_no_report() {
+    let (desk, mut plan) = planned();
+    let before = desk.files("out");
+    desk.change("changed.toml", &[("sigma_px = 0.3", "sigma_px = 0.4")]);
+    for command in ["report", "figures"] {
+        assert!(desk.complaint(&format!("{command} none.json"), 3).contains("none.json"));
+        let changed = desk.complaint(&format!("{command} out/plan.json --problem changed.toml"), 3);
+        assert!(changed.contains("another version"), "{changed}");
+        plan["version"] = 2.into();
+        fs::write(desk.path("old.json"), plan.to_string()).unwrap();
+        assert!(desk.complaint(&format!("{command} old.json --problem coarse.toml"), 3).contains("make a new plan"));
+        let whole = fs::read_to_string(desk.path("out/plan.json")).unwrap();
+        fs::write(desk.path("cut.json"), &whole[..whole.len() / 2]).unwrap();
+        assert!(desk.complaint(&format!("{command} cut.json --problem coarse.toml"), 3).contains("not a plan"));
+    }
+    assert_eq!(desk.files("out"), before);
+}
+
+#[test]
+fn other_documents_have_pages_too() {
+    let (desk, _) = planned();
+    let page = |name: &str| fs::read_to_string(desk.path(name)).unwrap();
+    desk.stdout("report out/verification.json -q");
+    assert!(page("out/verification.html").contains("id=\"sampled-sigma\""));
+    let compared = desk.stdout("compare coarse.toml -k 8 -k 10 --seeds 1 --limit 20 --trials 2 --json");
+    fs::write(desk.path("compared.json"), compared).unwrap();
+    assert!(desk.stdout("report compared.json").contains("Written to compared.html"));
+    for method in ["best", "kmeans-joints", "random"] {
+        assert!(page("compared.html").contains(&format!("<td>{method}</td>")), "{method}");
+    }
+    let corners = std::path::absolute("problems/examples/servosila-corners.vnl").unwrap();
+    desk.run(&format!("calibrate {} --problem coarse.toml -o camera", corners.display()));
+    let calibrated = page("camera/calibration.html");
+    for part in ["id=\"residuals\"", "id=\"residuals-by-picture\"", "id=\"error-over-image\"", "id=\"pictures\""] {
+        assert!(calibrated.contains(part), "{part}");
+    }
+    fs::remove_file(desk.path("camera/calibration.html")).unwrap();
+    desk.stdout("report camera/calibration.json -q");
+    assert_eq!(calibrated, page("camera/calibration.html"));
+
+    // Nobody's page is lost, and what this version would misread is refused.
+    fs::write(desk.path("compared.html"), "<p>mine").unwrap();
+    assert!(desk.complaint("report compared.json", 1).contains("compared.html"));
+    assert_eq!(page("compared.html"), "<p>mine");
+    let mut old: Value = serde_json::from_str(&page("out/verification.json")).unwrap();
+    old["version"] = 1.into();
+    fs::write(desk.path("old.json"), old.to_string()).unwrap();
+    assert!(desk.complaint("report old.json", 3).contains("version 1 of calipose.verification"));
+    old["version"] = 2.into();
+    old.as_object_mut().unwrap().remove("trials");
+    fs::write(desk.path("old.json"), old.to_string()).unwrap();
+    assert!(desk.complaint("report old.json", 3).contains("trials"));
+}
+
+#[test]
+fn figures_are_drawn_at_their_size() {
+    let (desk, _) = planned();
+    let all = desk.json("figures out/plan.json --format svg --width-mm 85 --font-pt 7 --json");
+    let files = all["files"].as_array().unwrap();
+    assert_eq!(files.len(), 13, "{all}");
+    for file in files {
+        let svg = fs::read_to_string(desk.path("out/figures").join(file["file"].as_str().unwrap())).unwrap();
+        let drawing = Document::parse(&svg).unwrap();
+        let width: f64 = drawing.root_element().attribute("width").unwrap().parse().unwrap();
+        assert!((width - 85.0 / 25.4 * 96.0).abs() < 0.01, "{file}: {width}");
+        assert!(!svg.contains("var(--"), "{file}: colours of a page");
+    }
+    // A picture of 100 dots an inch, two inches wide.
+    desk.stdout("figures out/plan.json -q --format png --only joints,arm --width-mm 50.8 --dpi 100 -o shots");
+    assert_eq!(desk.files("shots"), ["arm.png", "joints.png"]);
+    let png = fs::read(desk.path("shots/arm.png")).unwrap();
+    assert_eq!(&png[1..4], b"PNG");
+    assert_eq!(u32::from_be_bytes(png[16..20].try_into().unwrap()), 200);
+    for (wrong, words) in [
+        ("--only arms", "it has coverage-directions"),
+        ("--width-mm 0", "from 20 to 2000"),
+        ("--font-pt nan", "from 2 to 100"),
+        ("--width-mm 2000 --dpi 2400", "take a smaller --dpi"),
+    ] {
+        let told = desk.complaint(&format!("figures out/plan.json {wrong}"), 2);
+        assert!(told.contains(words), "{wrong}: {told}");
+    }
+}
+
+#[test]
+fn the_summary_fits_a_terminal_and_says_the_verdict_first() {
+    let desk = Desk::new();
+    let told = desk.stdout("plan coarse.toml -k 8 -o out");
+    let second = told.lines().nth(1).unwrap();
+    assert!(second.starts_with("Verdict: "), "{told}");
+    let seven = "plan problems/seven-axis-carrier.toml --set sweep.sample=60000 --trials 0 -k 6 -o";
+    let folder = tempfile::tempdir().unwrap();
+    let here = std::env::current_dir().unwrap();
+    let seven = stdout(&here, &format!("{seven} {}", folder.path().display()));
+    assert!(seven.contains("Joints: j1 "), "{seven}");
+    for line in told.lines().chain(seven.lines()).filter(|line| !line.contains("Written to") && !line.starts_with('/'))
+    {
+        assert!(line.chars().count() <= 80, "{} columns: {line}", line.chars().count());
+    }
+    assert!(told.contains("██████ "), "{told}");
+    let quiet = desk.run("plan coarse.toml -q -k 8 -o out");
+    assert_eq!(text(&quiet.stdout), "");
+}
