@@ -72,7 +72,8 @@ impl Measurement<'_> {
         Some((0..5).flat_map(|i| (0..=i).map(move |j| (i, j))).map(|(i, j)| G_i[(i, j)]).collect())
     }
 
-    /// [`Measurement::zhang_information`] of many views, each from its `X_CT` and of the corners seen, in their order.
+    /// What each of many views reveals to Zhang's closed form, each from its `X_CT` and of the corners seen, in their order; `None`
+    /// as for one.
     pub fn zhang_set<'b>(
         &self,
         views: impl IntoParallelIterator<Item = (&'b Pose, &'b Corners), Iter: IndexedParallelIterator>,

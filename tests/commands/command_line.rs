@@ -102,6 +102,7 @@ fn plan_says_and_writes_what_it_found() {
 }
 
 #[test]
+#[ignore = "slow: in the full set, `cargo test -- --ignored`"]
 fn every_method_and_criterion_can_be_asked_for() {
     let desk = Desk::new();
     let best = desk.json("plan coarse.toml --json -k 20 --trials 0 -o best")["efficiency"].as_f64().unwrap();

@@ -62,6 +62,7 @@ fn combinations_are_one_objective_with_one_certificate() {
 }
 
 #[test]
+#[ignore = "slow: in the full set, `cargo test -- --ignored`"]
 fn the_proven_best_is_no_worse_than_the_best_found() {
     let desk = Desk::new();
     let best = plan(&desk, "plan coarse.toml -k 8 -o best");

@@ -18,7 +18,7 @@ pub struct ErrorGrid {
 }
 
 /// Points along the picture's longer side.
-const POINTS: u32 = 32;
+const POINTS: u32 = 24;
 
 impl ErrorGrid {
     /// By the covariance (p×p) of the estimated intrinsics.

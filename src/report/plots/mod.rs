@@ -12,7 +12,7 @@ use super::figure::Figure;
 use crate::plan::document::{CalibrationDocument, ComparisonDocument, Verification};
 
 /// Views drawn at most; more would only hide each other.
-const MOST_DOTS: usize = 1500;
+const MOST_DOTS: usize = 600;
 
 /// The plots of a plan, in the order of a report.
 pub fn plan_figures(documents: &PlanDocuments) -> Vec<Figure> {

@@ -8,8 +8,8 @@ use thiserror::Error;
 
 use super::packed::{cholesky, dual, pack, packed_len, unpack};
 
-/// n symmetric positive semidefinite p×p matrices, one per candidate, in packed storage (see
-/// [`packed`](crate::selection::packed)): a row-major n × p(p+1)/2 table.
+/// n symmetric positive semidefinite p×p matrices, one per candidate: a row-major n × p(p+1)/2 table of their lower triangles, row by
+/// row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InformationSet {
     order: usize,

@@ -8,12 +8,19 @@ use crate::plan::choose::{Chooser, PlanError};
 use crate::plan::document::{BoundPoint, Plan, finite};
 use crate::selection::{Certificate, Gradient, Instance, SelectionError, improved_greedy};
 
-/// Good choices of up to twice as many poses, with the bound on the map error that the plan's matrix proves for each number if the map
+/// Quarters of an octave on either side of the plan's number of poses.
+const QUARTERS: i32 = 4;
+
+/// Good choices of half to twice as many poses, with the bound on the map error that the plan's matrix proves for each number if the map
 /// error is what the plan optimises.
 pub(super) fn curve(plan: &Plan, chooser: &Chooser) -> Result<Vec<BoundPoint>, PlanError> {
-    let most = (2 * plan.count).min(chooser.survey().views.len());
+    let most = chooser.survey().views.len();
+    let octave = |quarter: i32| plan.count as f64 * (f64::from(quarter) / f64::from(QUARTERS)).exp2();
+    let mut counts: Vec<usize> =
+        (-QUARTERS..=QUARTERS).map(|quarter| (octave(quarter).round() as usize).clamp(1, most)).collect();
+    counts.dedup();
     let points: Result<Vec<Option<BoundPoint>>, PlanError> =
-        (1..=most).into_par_iter().map(|count| point(plan, chooser, count)).collect();
+        counts.into_par_iter().map(|count| point(plan, chooser, count)).collect();
     Ok(points?.into_iter().flatten().collect())
 }
 
