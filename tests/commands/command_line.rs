@@ -443,7 +443,7 @@ fn a_plan_that_does_worse_than_it_predicts_ends_with_four() {
     let told = desk.bad("plan noisy.toml -k 6 -o out");
     assert!(told.contains("Verdict: ") && told.contains("Written to out"), "{told}");
     assert_eq!(read_json(&desk.path("out/verification.json"))["holds"], false);
-    assert!(desk.bad("verify out/plan.json").contains("Verdict: "));
+    assert!(desk.bad("verify out/plan.json -n 100").contains("Verdict: "));
     // Too few to tell are not held against it.
     assert_eq!(desk.json("verify out/plan.json -n 2 --json")["holds"], Value::Null);
     assert_eq!(desk.stdout("plan noisy.toml -q -k 6 --trials 0 -o out"), "");
@@ -550,6 +550,7 @@ fn check_foresees_about_as_many_views_as_the_plan_finds() {
 
 /// An accuracy decides on the number of poses; the forecast says about how many.
 #[test]
+#[ignore = "slow: in the full set, `cargo test -- --ignored`"]
 fn check_foresees_the_poses_that_an_accuracy_takes() {
     let desk = Desk::new();
     let goal = "criterion = \"v\"\nmethod = \"best\"\ncount = 10";

@@ -14,7 +14,7 @@ pub(super) fn picture(camera: &SceneCamera, picture: &Picture, name: &str) -> Ma
     let corners = picture.corners_px.iter().enumerate().filter_map(|(i, corner)| Some((i, (*corner)?)));
     html! {
         svg viewBox=(frame) role="img" aria-label=(name) {
-            rect class="frame" x="-0.5" y="-0.5" width=(width) height=(height) fill="none" stroke="var(--line)" stroke-width=(size / 320.0) {}
+            rect x="-0.5" y="-0.5" width=(width) height=(height) fill="none" stroke="var(--line)" stroke-width=(size / 320.0) {}
             g fill="var(--ink)" fill-opacity="0.55" {
                 @for square in &picture.squares_px { polygon points=(points(square)) {} }
             }

@@ -1,7 +1,7 @@
 //! `calipose calibrate`.
 
 mod parameters;
-mod report;
+mod summary;
 
 use std::path::PathBuf;
 
@@ -9,7 +9,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 
 use parameters::ParameterArguments;
-use report::text;
+use summary::text;
 
 use crate::calibration::{Assessment, LossKind, Request, calibrate_by, other_lens, unknown_camera};
 use crate::camera::{Camera, Lens};
