@@ -142,6 +142,8 @@ fn other_documents_have_pages_too() {
     desk.stdout("report camera/calibration.json -q");
     assert_eq!(calibrated, page("camera/calibration.html"));
 
+    assert!(desk.complaint("report out/run.json", 3).contains("\"calipose.run\"; pages are made of calipose.plan"));
+
     // Nobody's page is lost, and what this version would misread is refused.
     fs::write(desk.path("compared.html"), "<p>mine").unwrap();
     assert!(desk.complaint("report compared.json", 1).contains("compared.html"));

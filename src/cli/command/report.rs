@@ -42,6 +42,16 @@ pub(crate) fn run(arguments: &ReportArguments, screen: &mut Screen) -> Result<()
         Some(Verification::FORMAT) => of::<Verification>(path, verification_page, screen),
         Some(ComparisonDocument::FORMAT) => of::<ComparisonDocument>(path, comparison_page, screen),
         Some(CalibrationDocument::FORMAT) => of::<CalibrationDocument>(path, calibration_page, screen),
+        Some(other) if other.starts_with("calipose.") && other != Plan::FORMAT => Err(Failure::Document {
+            path: path.clone(),
+            reason: format!(
+                "its key `format` is \"{other}\"; pages are made of {}, {}, {} and {}",
+                Plan::FORMAT,
+                Verification::FORMAT,
+                ComparisonDocument::FORMAT,
+                CalibrationDocument::FORMAT
+            ),
+        }),
         _ => of_plan(arguments, screen),
     }
 }
