@@ -11,6 +11,7 @@ mod loaded_plan;
 mod long_work;
 mod memory;
 mod output;
+mod own_files;
 
 use std::path::PathBuf;
 use std::process::ExitCode;

@@ -4,12 +4,14 @@
 
 mod drawing;
 mod figure;
+mod outcome;
 mod page;
 mod plots;
 
 pub use drawing::{DrawingError, Style, png, svg};
 pub use figure::{Content, Figure, Hue, Interval, Line, Mark, Series};
-pub use page::{calibration_page, comparison_page, plan_page, verification_page};
+pub use outcome::outcome;
+pub use page::{PAGE_MARK, calibration_page, comparison_page, plan_page, verification_page};
 pub use plots::{plan_drawings, plan_figures};
 
 use crate::plan::document::{Explanation, Plan, Review, Verification};

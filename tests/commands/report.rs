@@ -48,6 +48,10 @@ fn a_report_is_one_page_that_needs_nothing_else() {
     }
     assert!(!page.contains("NaN") || !page.contains(">NaN<"));
 
+    // Every plot and picture is an image with a name, as wide as its place.
+    let images = page.matches("<svg viewBox=\"").count();
+    assert_eq!((images, page.matches("role=\"img\" aria-label=\"").count()), (9 + 8, 9 + 8));
+
     // Written anew it is the same, byte by byte.
     let said = desk.stdout("report out/plan.json");
     assert!(said.contains("Written to out/report.html"), "{said}");

@@ -110,10 +110,10 @@ const ROOMS: [(&str, &[&str]); 24] = [
         "plan::assess",
         &["locate", "compare", "explain", "verify", "forecast", "polish", "next", "reach", "review", "certify"],
     ),
-    ("report", &["figure", "drawing", "plots", "page"]),
+    ("report", &["outcome", "figure", "drawing", "plots", "page"]),
     ("report::page", &["facts", "head", "table", "picture", "plan", "verification", "comparison", "calibration"]),
     ("report::plots", &["coverage", "accuracy", "poses", "space", "calibration", "comparison"]),
-    ("cli", &["interrupt", "output", "arguments", "memory", "long_work", "loaded_plan", "command"]),
+    ("cli", &["interrupt", "own_files", "output", "arguments", "memory", "long_work", "loaded_plan", "command"]),
 ];
 
 /// Crates that read files or talk to people, and the modules that may.

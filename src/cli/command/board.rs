@@ -8,8 +8,8 @@ use crate::cli::arguments::ProblemArguments;
 use crate::cli::interrupt::writing;
 use crate::cli::output::Screen;
 use crate::cli::output::failure::Failure;
+use crate::cli::own_files::bears;
 use crate::figures::trimmed;
-use crate::formats::read_at_most;
 use crate::plan::document::{BoardDocument, PrintedFile};
 use crate::plan::results::write_together;
 use crate::print::{Artwork, MARK, Page, Paper, Print, PrintSettings};
@@ -52,7 +52,7 @@ pub(crate) fn run(arguments: &BoardArguments, screen: &mut Screen) -> Result<(),
     let files = files(&print, &stem, format);
     for (file, _) in &files {
         let path = folder.join(&file.file);
-        if path.symlink_metadata().is_ok() && !is_ours(&path) {
+        if path.symlink_metadata().is_ok() && !bears(&path, MARK) {
             return Err(Failure::Exists(path));
         }
     }
@@ -114,13 +114,6 @@ fn files(print: &Print, stem: &str, format: Format) -> Vec<(PrintedFile, Vec<u8>
 
 fn place_of(page: &Page) -> Option<(usize, usize)> {
     page.tile.map(|tile| (tile.row, tile.column))
-}
-
-/// Whether this command wrote the file, and may replace it.
-fn is_ours(path: &Path) -> bool {
-    /// Larger than any that it writes.
-    const LARGEST: u64 = 100_000_000;
-    read_at_most(path, LARGEST).is_ok_and(|bytes| bytes.windows(MARK.len()).any(|found| found == MARK.as_bytes()))
 }
 
 fn text(name: &str, artwork: &Artwork, print: &Print, files: &[PrintedFile], arguments: &BoardArguments) -> String {

@@ -10,6 +10,7 @@ use crate::cli::interrupt::writing;
 use crate::cli::loaded_plan::LoadedPlan;
 use crate::cli::output::Screen;
 use crate::cli::output::failure::Failure;
+use crate::cli::own_files::bears;
 use crate::formats::read_at_most;
 use crate::plan::assess::{ExplainSettings, explain, review};
 use crate::plan::choose::Chooser;
@@ -17,7 +18,7 @@ use crate::plan::document::{
     CalibrationDocument, ComparisonDocument, Document, Explanation, Header, Plan, Review, Verification,
 };
 use crate::plan::results::{add_results, probe, write_atomically};
-use crate::report::{PlanDocuments, calibration_page, comparison_page, plan_page, verification_page};
+use crate::report::{PAGE_MARK, PlanDocuments, calibration_page, comparison_page, plan_page, verification_page};
 
 #[derive(Debug, Args)]
 pub(crate) struct ReportArguments {
@@ -83,18 +84,12 @@ fn of<D: Document + DeserializeOwned>(path: &Path, page: fn(&D) -> String, scree
     }
     let document: D = serde_json::from_slice(&bytes).map_err(|error| refused(error.to_string()))?;
     let target = path.with_extension("html");
-    if target.symlink_metadata().is_ok() && !is_ours(&target) {
+    if target.symlink_metadata().is_ok() && !bears(&target, PAGE_MARK) {
         return Err(Failure::Exists(target));
     }
     writing(|| write_atomically(&target, page(&document).as_bytes()))?;
     screen.document(&document)?;
     screen.text(&format!("Written to {}.", target.display()))
-}
-
-/// Whether a file is a page of this program's.
-fn is_ours(path: &Path) -> bool {
-    const MARK: &[u8] = b"<meta name=\"generator\" content=\"calipose\">";
-    read_at_most(path, LARGEST).is_ok_and(|bytes| bytes.windows(MARK.len()).take(1000).any(|found| found == MARK))
 }
 
 fn of_plan(arguments: &ReportArguments, screen: &mut Screen) -> Result<(), Failure> {

@@ -77,8 +77,8 @@ fn pictures(calibration: &CalibrationDocument) -> Markup {
             cells: vec![
                 Cell::Text(view.name.clone()),
                 Cell::Text(view.corners.to_string()),
-                Cell::Number(short(view.rms_px), view.rms_px),
-                worst.map_or(Cell::Text("–".into()), |worst| Cell::Number(short(worst), worst)),
+                Cell::short(Some(view.rms_px)),
+                Cell::short(worst),
                 Cell::Number(format!("{:.0}", 1e3 * distance), distance),
             ],
         }
@@ -105,7 +105,7 @@ fn outliers(calibration: &CalibrationDocument) -> Markup {
                     Cell::Text(outlier.view.clone()),
                     Cell::Text(outlier.column.to_string()),
                     Cell::Text(outlier.row.to_string()),
-                    Cell::Number(short(length), length),
+                    Cell::short(Some(length)),
                     outlier
                         .standardised
                         .map_or(Cell::Text("–".into()), |sigma| Cell::Number(format!("{sigma:.0}"), sigma)),

@@ -50,17 +50,16 @@ pub fn comparison_page(comparison: &ComparisonDocument) -> String {
             })
             .collect(),
     };
-    let number = |value: Option<f64>| value.map_or(Cell::Text("–".into()), |value| Cell::Number(short(value), value));
     let rows = comparison.rows.iter().map(|row| Row {
         pose: None,
         cells: vec![
             Cell::Text(row.method.clone()),
             Cell::Text(row.count.to_string()),
-            number(row.value),
-            number(row.efficiency),
-            number(row.map_error_px),
-            number(row.measured.as_ref().and_then(|measured| measured.map_error_px)),
-            number(Some(row.seconds)),
+            Cell::short(row.value),
+            Cell::short(row.efficiency),
+            Cell::short(row.map_error_px),
+            Cell::short(row.measured.as_ref().and_then(|measured| measured.map_error_px)),
+            Cell::short(Some(row.seconds)),
         ],
     });
     let header =

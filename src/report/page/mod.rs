@@ -21,6 +21,9 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use super::drawing::{Style, svg};
 use super::figure::Figure;
 
+/// What every page bears in its head.
+pub const PAGE_MARK: &str = "<meta name=\"generator\" content=\"calipose\">";
+
 const STYLE: &str = include_str!("web/report.css");
 const SCRIPT: &str = include_str!("web/dist/report.js");
 
@@ -31,7 +34,7 @@ fn page(title: &str, body: &Markup, data: Option<&str>) -> String {
         html lang="en" {
             head {
                 meta charset="utf-8";
-                meta name="generator" content="calipose";
+                (PreEscaped(PAGE_MARK))
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 title { (title) }
                 style { (PreEscaped(STYLE)) }

@@ -11,8 +11,8 @@ use crate::figures::{grouped, short};
 use crate::plan::document::{
     Document, Explanation, Plan, PlannedPose, PoseExplanation, Review, ReviewedPose, SceneJoint,
 };
-use crate::report::PlanDocuments;
 use crate::report::plots::plan_figures;
+use crate::report::{PlanDocuments, outcome};
 
 /// The report of a plan, a page that stands alone.
 pub fn plan_page(documents: &PlanDocuments) -> String {
@@ -63,8 +63,7 @@ fn head(documents: &PlanDocuments) -> Markup {
             h1 { (plan.problem.name) }
             p class=(tone.class()) {
                 strong { (verdict) } " "
-                "No " (plan.count) " of the " (grouped(review.views.all)) " views can give more than "
-                (format!("{:.2} %", 100.0 * (1.0 / plan.efficiency - 1.0))) " more information."
+                (outcome(plan).replace('`', ""))
             }
             p class="next" { (next(plan, holds)) }
             dl class="figures" {
@@ -203,18 +202,15 @@ fn intrinsics(documents: &PlanDocuments) -> Markup {
     if verification.is_some() {
         header.extend(["Sampled sigma".into(), "Sampled / predicted".into(), "Bias".into()]);
     }
-    let number = |value: Option<f64>| match value {
-        Some(value) => Cell::Number(short(value), value),
-        None => Cell::Text("undetermined".into()),
-    };
     let known = &plan.intrinsics;
     let row = |(i, name): (usize, &String)| {
-        let mut cells = vec![Cell::Text(name.clone()), number(Some(known.nominal[i])), number(Some(known.sigma[i]))];
+        let mut cells =
+            vec![Cell::Text(name.clone()), Cell::short(Some(known.nominal[i])), Cell::short(Some(known.sigma[i]))];
         if let Some(verification) = verification {
             let found = verification.parameters.iter().find(|parameter| parameter.name == *name);
-            cells.push(number(found.and_then(|parameter| parameter.sampled_sigma)));
-            cells.push(number(found.and_then(|parameter| parameter.ratio)));
-            cells.push(number(found.and_then(|parameter| parameter.bias)));
+            cells.push(Cell::short(found.and_then(|parameter| parameter.sampled_sigma)));
+            cells.push(Cell::short(found.and_then(|parameter| parameter.ratio)));
+            cells.push(Cell::short(found.and_then(|parameter| parameter.bias)));
         }
         Row { pose: None, cells }
     };

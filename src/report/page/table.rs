@@ -2,6 +2,8 @@
 
 use maud::{Markup, html};
 
+use crate::figures::short;
+
 /// A cell: its text, and the number that it is sorted by where the text is none.
 pub(super) enum Cell {
     /// Words, or a number as it stands.
@@ -10,6 +12,13 @@ pub(super) enum Cell {
     Number(String, f64),
     /// Anything else.
     Markup(Markup),
+}
+
+impl Cell {
+    /// A number in four digits; a dash where there is none.
+    pub(super) fn short(number: Option<f64>) -> Self {
+        number.map_or_else(|| Self::Text("–".into()), |number| Self::Number(short(number), number))
+    }
 }
 
 /// A row, of a pose or of none.

@@ -39,17 +39,16 @@ pub fn verification_page(verification: &Verification) -> String {
             figure("Calibrations", verification.trials.to_string(), &format!("{} failed", verification.failed)),
         ],
     };
-    let number = |value: Option<f64>| value.map_or(Cell::Text("–".into()), |value| Cell::Number(short(value), value));
     let rows = verification.parameters.iter().map(|parameter| Row {
         pose: None,
         cells: vec![
             Cell::Text(parameter.name.clone()),
-            number(parameter.predicted_sigma),
-            number(parameter.sampled_sigma),
-            number(parameter.ratio),
-            number(parameter.ratio_interval[0]),
-            number(parameter.ratio_interval[1]),
-            number(parameter.bias),
+            Cell::short(parameter.predicted_sigma),
+            Cell::short(parameter.sampled_sigma),
+            Cell::short(parameter.ratio),
+            Cell::short(parameter.ratio_interval[0]),
+            Cell::short(parameter.ratio_interval[1]),
+            Cell::short(parameter.bias),
         ],
     });
     let header = ["Intrinsic", "Predicted sigma", "Sampled sigma", "Ratio", "Least likely ratio", "Greatest", "Bias"];

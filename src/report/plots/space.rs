@@ -24,6 +24,11 @@ fn isometric(point: &Point3<f64>, up: &Vector3<f64>) -> (f64, f64) {
     (1e3 * (x - y) * c, 1e3 * (z - (x + y) * s))
 }
 
+/// The links from the camera to the root.
+fn way(scene: &Scene) -> impl Iterator<Item = usize> {
+    std::iter::successors(Some(scene.camera_link), |&link| scene.links[link].parent)
+}
+
 struct Canvas {
     up: Vector3<f64>,
     series: Vec<Series>,
@@ -57,8 +62,7 @@ impl Canvas {
 
     /// The links from the root to the camera.
     fn arm(&mut self, scene: &Scene, poses: &[Isometry3<f64>]) {
-        let way = std::iter::successors(Some(scene.camera_link), |&link| scene.links[link].parent);
-        let mut points: Vec<_> = way.map(|link| Point3::from(poses[link].translation.vector)).collect();
+        let mut points: Vec<_> = way(scene).map(|link| Point3::from(poses[link].translation.vector)).collect();
         points.insert(0, (poses[scene.camera_link] * scene.camera.pose.transform()).translation.vector.into());
         self.line("arm", Hue::Plan, Line::Solid, &points);
         self.add("joints", Hue::Plan, Mark::Discs, &points[1..]);
@@ -109,11 +113,9 @@ fn arm(review: &Review) -> Option<Figure> {
         (Vector3::y(), "y axes", Hue::Views, Line::Solid),
         (Vector3::z(), "z axes", Hue::Bound, Line::Solid),
     ] {
-        // One line through all frames: out along the axis and back.
-        let way: Vec<usize> =
-            std::iter::successors(Some(scene.camera_link), |&link| scene.links[link].parent).collect();
-        for (i, &link) in way.iter().enumerate() {
+        for (i, link) in way(scene).enumerate() {
             let X = &poses[link];
+            // The legend names the axes once.
             let ends = [X * Point3::origin(), X * Point3::from(axis * length)];
             canvas.line(if i == 0 { name } else { "" }, hue, line, &ends);
         }

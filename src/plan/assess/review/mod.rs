@@ -38,7 +38,7 @@ pub fn review(plan: &Plan, chooser: &Chooser, selected: &[usize]) -> Result<Revi
         header: Review::header(),
         problem: ProblemReference::new(problem),
         scene: Scene::new(problem),
-        views: surveyed(problem, survey),
+        views: surveyed(problem, survey, &[selected, &other.selected].concat()),
         poses: zip(&plan.poses, selected)
             .zip(1..)
             .map(|((pose, &i), number)| reviewed_pose(pose, number, problem, &survey.views[i]))
@@ -69,10 +69,10 @@ fn reviewed_pose(pose: &PlannedPose, number: usize, problem: &Problem, view: &Vi
     }
 }
 
-fn surveyed(problem: &Problem, survey: &Survey) -> SurveyedViews {
+/// The views of the survey, those of `chosen` among them however many there are.
+fn surveyed(problem: &Problem, survey: &Survey, chosen: &[usize]) -> SurveyedViews {
     let all = survey.views.len();
-    let stride = all.div_ceil(MOST_VIEWS).max(1);
-    let listed: Vec<&View> = survey.views.iter().step_by(stride).collect();
+    let listed: Vec<&View> = thinned(all, MOST_VIEWS, chosen).into_iter().map(|i| &survey.views[i]).collect();
     let eighths = |angle: f64| (angle.to_degrees() * 8.0).round() / 8.0;
     // A tenth of a millimetre, a hundredth of a percent.
     let fine = |x: f64| (x * 1e4).round() / 1e4;
@@ -92,8 +92,27 @@ fn surveyed(problem: &Problem, survey: &Survey) -> SurveyedViews {
     }
 }
 
+/// Of the numbers below `all` those of `chosen`, and evenly spaced ones, at most `most`; ascending.
+fn thinned(all: usize, most: usize, chosen: &[usize]) -> Vec<usize> {
+    let mut listed: Vec<usize> = (0..all).step_by(all.div_ceil(most).max(1)).chain(chosen.iter().copied()).collect();
+    listed.sort_unstable();
+    listed.dedup();
+    listed
+}
+
 fn correlation(covariance: &DMatrix<f64>) -> Vec<Vec<f64>> {
     let sigma: Vec<f64> = covariance.diagonal().iter().map(|variance| variance.sqrt()).collect();
     let row = |i: usize| sigma.iter().enumerate().map(|(j, σ)| covariance[(i, j)] / (sigma[i] * σ)).collect();
     (0..sigma.len()).map(row).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::thinned;
+
+    #[test]
+    fn what_was_chosen_is_among_the_views_listed_however_many_there_are() {
+        assert_eq!(thinned(5, 10, &[3]), [0, 1, 2, 3, 4]);
+        assert_eq!(thinned(100, 4, &[50, 31, 99]), [0, 25, 31, 50, 75, 99]);
+    }
 }
