@@ -45,7 +45,7 @@
 //!
 //! A module imports only from those before it: [`figures`], [`spatial`], [`selection`], [`camera`], [`target`], [`robot`],
 //! [`print`](mod@print), [`sweep`], [`feasibility`], [`information`], [`calibration`], [`verification`], [`formats`],
-//! [`problem`], [`mod@plan`], [`report`], [`cli`]. The stages up to `verification` know no files and no command line; `selection`
+//! [`problem`], [`mod@plan`], [`experiment`], [`report`], [`cli`]. The stages up to `verification` know no files and no command line; `selection`
 //! knows no robots and no cameras either.
 #![allow(
     non_snake_case,
@@ -59,6 +59,7 @@ pub mod calibration;
 pub mod camera;
 #[cfg(feature = "cli")]
 pub mod cli;
+pub mod experiment;
 pub mod feasibility;
 pub mod figures;
 pub mod formats;

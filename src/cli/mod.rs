@@ -21,7 +21,7 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use arguments::ProblemArguments;
 use command::{
     board, calibrate, certify, check, compare, completions, explain, figures, init, next, plan, polish, reach, report,
-    sweep, verify,
+    study, sweep, verify,
 };
 use output::Screen;
 use output::failure::Failure;
@@ -66,6 +66,9 @@ struct OutputArguments {
     /// Print one JSON document on stdout instead of text
     #[arg(long, global = true)]
     json: bool,
+    /// Number of threads to work on [default: one for each core]
+    #[arg(long, value_name = "N", global = true, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
 }
 
 #[derive(Debug, Subcommand)]
@@ -94,6 +97,9 @@ enum Command {
     Next(next::NextArguments),
     /// Find joint values that bring the camera to a requested pose
     Reach(reach::ReachArguments),
+    /// Run experiments that are stated in a file
+    #[command(subcommand)]
+    Study(study::StudyCommand),
     /// Draw the calibration target at true scale, as PDF and SVG
     Board(board::BoardArguments),
     /// Validate a problem file and say what a run would do
@@ -164,6 +170,10 @@ pub fn main() -> ExitCode {
             }
             Err(error) => error.exit(),
         };
+        if let Some(threads) = arguments.output.threads {
+            // The only call, before any work: it cannot have been made before.
+            drop(rayon::ThreadPoolBuilder::new().num_threads(threads.into()).build_global());
+        }
         let mut screen = Screen::new(arguments.output.quiet, arguments.output.json);
         match run(&arguments.command, &mut screen) {
             Ok(verdict) => verdict.exit_code(),
@@ -194,6 +204,7 @@ fn run(command: &Command, screen: &mut Screen) -> Result<Verdict, Failure> {
         Command::Certify(arguments) => certify::run(arguments, screen).map(good),
         Command::Next(arguments) => next::run(arguments, screen),
         Command::Reach(arguments) => reach::run(arguments, screen).map(good),
+        Command::Study(command) => study::run(command, screen).map(good),
         Command::Board(arguments) => board::run(arguments, screen).map(good),
         Command::Check(arguments) => check::run(arguments, screen).map(good),
         Command::Init { file, urdf } => init::run(file.as_deref(), urdf.as_deref(), screen).map(good),

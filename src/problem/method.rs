@@ -62,6 +62,11 @@ impl Method {
         }
     }
 
+    /// Whether its choice depends on the seed.
+    pub fn is_seeded(self) -> bool {
+        matches!(self, Method::Random | Method::KMeansJoints | Method::KMeansPositions)
+    }
+
     /// Whether it chooses only what the constraints allow; the baselines do not look at them.
     pub fn heeds_constraints(self) -> bool {
         !matches!(self, Method::Random | Method::KMeansJoints | Method::KMeansPositions)

@@ -37,7 +37,9 @@ use crate::information::{Measurement, Unknowns};
 use crate::robot::Robot;
 use crate::sweep::{AxisRule, JointSpace};
 use crate::target::Target;
-use text::Source;
+pub(crate) use resolve::{Check, slug};
+pub(crate) use schema::{Choice, Named, Numbers, Vocabulary, toml_schema};
+pub(crate) use text::{At, KeyPath, Optional, Source, key, read};
 
 /// A commented problem file to start from.
 pub const STARTER: &str = include_str!("starter.toml");
@@ -119,6 +121,19 @@ fn most_configurations(rule: AxisRule) -> usize {
     }
 }
 
+/// The text of a file that people write.
+///
+/// # Errors
+/// When the file cannot be read, or is no UTF-8.
+pub(crate) fn read_text(path: &Path) -> Result<String, ProblemError> {
+    let bytes = read_at_most(path, LARGEST).map_err(|source| ProblemError::Read { path: path.into(), source })?;
+    String::from_utf8(bytes).map_err(|error| {
+        let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        let line = String::from_utf8_lossy(valid).matches('\n').count() + 1;
+        ProblemError::Encoding { path: path.into(), line }
+    })
+}
+
 impl Problem {
     /// The tests that make a configuration a view.
     pub fn checks(&self) -> Checks<'_> {
@@ -149,13 +164,7 @@ impl Problem {
     /// # Errors
     /// When the file cannot be read, or the two together say something impossible.
     pub fn read_with(path: &Path, overrides: &Overrides) -> Result<Self, ProblemError> {
-        let bytes = read_at_most(path, LARGEST).map_err(|source| ProblemError::Read { path: path.into(), source })?;
-        let text = String::from_utf8(bytes).map_err(|error| {
-            let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
-            let line = String::from_utf8_lossy(valid).matches('\n').count() + 1;
-            ProblemError::Encoding { path: path.into(), line }
-        })?;
-        Self::parse_with(&text, path, overrides)
+        Self::parse_with(&read_text(path)?, path, overrides)
     }
 
     /// The problem that `text` states; `path` is its name in messages and, without the extension, the name of a
@@ -173,7 +182,7 @@ impl Problem {
     /// When the two together say something impossible.
     pub fn parse_with(text: &str, path: &Path, overrides: &Overrides) -> Result<Self, ProblemError> {
         let source = Source::new(text, overrides);
-        let problem = match text::read(&source) {
+        let problem = match text::read(&source, Vocabulary::of_problems()) {
             Ok((document, file)) => resolve::resolve(&document, &file, path),
             Err(fault) => Err(vec![*fault]),
         };

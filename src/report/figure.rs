@@ -1,10 +1,12 @@
 //! A plot, before it is drawn: what stands where, in which role.
 
+use std::borrow::Cow;
+
 /// A plot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
     /// Name of its file, and its anchor on a page.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// Title.
     pub title: String,
     /// What to see in it, in a sentence or two.

@@ -1,7 +1,7 @@
 //! What a plan proves, in words: the same in the terminal and on its page.
 
 use crate::figures::{grouped, short};
-use crate::plan::document::Plan;
+use crate::plan::document::{AxisMeans, Plan, StudyDocument};
 
 /// What was chosen, and what is proven of it.
 pub fn outcome(plan: &Plan) -> String {
@@ -44,5 +44,38 @@ pub fn outcome(plan: &Plan) -> String {
                 ended.unwrap_or_default(),
             )
         }
+    }
+}
+
+/// What matters most for a study's first outcome, in a sentence.
+pub fn strongest(study: &StudyDocument) -> String {
+    let Some(summary) = study.outcomes.first() else { return String::new() };
+    let spans = summary.means.iter().filter_map(|AxisMeans { axis, means }| {
+        let mut levels: Vec<(&str, Vec<f64>)> = Vec::new();
+        for mean in means {
+            let Some(value) = mean.mean else { continue };
+            match levels.iter_mut().find(|(level, _)| *level == mean.level) {
+                Some((_, values)) => values.push(value),
+                None => levels.push((&mean.level, vec![value])),
+            }
+        }
+        let averaged =
+            levels.into_iter().map(|(level, values)| (level, values.iter().sum::<f64>() / values.len() as f64));
+        let averaged: Vec<(&str, f64)> = averaged.collect();
+        let least = averaged.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let most = averaged.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        Some((axis, *least, *most))
+    });
+    let wider = |(_, least, most): &(&String, (&str, f64), (&str, f64))| most.1 / least.1;
+    match spans.max_by(|a, b| wider(a).total_cmp(&wider(b))) {
+        Some((axis, least, most)) => format!(
+            "Of what varies, {axis} matters most for {}: its mean is {} at {} and {} at {}.",
+            summary.outcome,
+            short(least.1),
+            least.0,
+            short(most.1),
+            most.0,
+        ),
+        None => format!("Nothing varies that {} could depend on.", summary.outcome),
     }
 }

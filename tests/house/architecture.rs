@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::reading::{House, files_below, in_circles, is_word, without_comments};
 
 /// The modules; each may use those above it.
-const ORDER: [&str; 17] = [
+const ORDER: [&str; 18] = [
     "figures",
     "spatial",
     "selection",
@@ -22,12 +22,13 @@ const ORDER: [&str; 17] = [
     "formats",
     "problem",
     "plan",
+    "experiment",
     "report",
     "cli",
 ];
 
 /// The files and rooms in a room; each may use those before it, and all may use the room's own `mod.rs`.
-const ROOMS: [(&str, &[&str]); 24] = [
+const ROOMS: [(&str, &[&str]); 28] = [
     (
         "selection",
         &[
@@ -104,21 +105,31 @@ const ROOMS: [(&str, &[&str]); 24] = [
         "plan::choose",
         &["baseline", "choice", "constraints", "error", "objective", "chooser", "refined_survey", "decide"],
     ),
-    ("plan::document", &["header", "error_grid", "plan", "views", "problem", "answers", "review", "refusal", "kind"]),
+    (
+        "plan::document",
+        &["header", "error_grid", "plan", "views", "problem", "answers", "review", "study", "refusal", "kind"],
+    ),
     ("plan::document::review", &["picture", "accuracy", "scene"]),
     (
         "plan::assess",
         &["locate", "compare", "explain", "verify", "forecast", "polish", "next", "reach", "review", "certify"],
     ),
+    ("plan::document::study", &["cell", "summary", "work"]),
+    ("experiment", &["file", "factor", "stages", "study"]),
+    ("experiment::file", &["factor", "study"]),
+    ("experiment::study", &["read", "cell", "store", "run", "statistics", "table", "summary", "forecast"]),
     ("report", &["outcome", "figure", "drawing", "plots", "page"]),
-    ("report::page", &["facts", "head", "table", "picture", "plan", "verification", "comparison", "calibration"]),
-    ("report::plots", &["coverage", "accuracy", "poses", "space", "calibration", "comparison"]),
+    (
+        "report::page",
+        &["facts", "head", "table", "picture", "plan", "verification", "comparison", "calibration", "study"],
+    ),
+    ("report::plots", &["coverage", "accuracy", "poses", "space", "calibration", "comparison", "study"]),
     ("cli", &["interrupt", "own_files", "output", "arguments", "memory", "long_work", "loaded_plan", "command"]),
 ];
 
 /// Crates that read files or talk to people, and the modules that may.
 const OUTWARD: [&str; 6] = ["serde", "toml", "saphyr_parser", "roxmltree", "clap", "indicatif"];
-const OUTWARD_MODULES: [&str; 4] = ["formats", "problem", "plan", "cli"];
+const OUTWARD_MODULES: [&str; 5] = ["formats", "problem", "plan", "experiment", "cli"];
 
 /// A source file, and the module at the crate's root that it belongs to.
 struct Source {

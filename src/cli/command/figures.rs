@@ -70,7 +70,11 @@ pub(crate) fn run(arguments: &FiguresArguments, screen: &mut Screen) -> Result<(
     let mut listed = Vec::new();
     for figure in figures {
         for (name, bytes) in arguments.files(figure, &style)? {
-            listed.push(FigureFile { figure: figure.name.into(), title: figure.title.clone(), file: name.clone() });
+            listed.push(FigureFile {
+                figure: figure.name.to_string(),
+                title: figure.title.clone(),
+                file: name.clone(),
+            });
             files.push((name, bytes));
         }
     }
@@ -114,8 +118,8 @@ impl FiguresArguments {
             return Ok(all.iter().collect());
         }
         let find = |name: &String| {
-            all.iter().find(|figure| figure.name == name).ok_or_else(|| {
-                let names: Vec<&str> = all.iter().map(|figure| figure.name).collect();
+            all.iter().find(|figure| figure.name == *name).ok_or_else(|| {
+                let names: Vec<&str> = all.iter().map(|figure| &*figure.name).collect();
                 Failure::Usage(format!("--only: this plan has no figure \"{name}\"; it has {}", names.join(", ")))
             })
         };

@@ -14,5 +14,6 @@ pub(crate) mod plan;
 pub(crate) mod polish;
 pub(crate) mod reach;
 pub(crate) mod report;
+pub(crate) mod study;
 pub(crate) mod sweep;
 pub(crate) mod verify;

@@ -8,6 +8,7 @@ use thiserror::Error;
 use super::collision::contacts_text;
 use super::short;
 use crate::calibration::CalibrationError;
+use crate::experiment::{RunError, StoreError};
 use crate::formats::{FileReadError, ReadError, ReadFault};
 use crate::plan::assess::{CertifyError, VerifyError};
 use crate::plan::choose::{ConstraintError, PlanError};
@@ -84,6 +85,15 @@ pub(crate) enum Failure {
     #[error("the run would take {needed} of memory; this machine has {total}")]
     #[diagnostic(help("{remedy}"))]
     Memory { needed: String, total: String, remedy: &'static str },
+    #[error(transparent)]
+    #[diagnostic(help("{}", store_help(.0)))]
+    Store(#[from] StoreError),
+    #[error("{missing} of the study's {cells} cells are not in {}: {named}", folder.display())]
+    #[diagnostic(help("{}", incomplete_help(*others)))]
+    Incomplete { folder: PathBuf, cells: usize, missing: usize, named: String, others: bool },
+    #[error(transparent)]
+    #[diagnostic(help("{}", run_help(.0)))]
+    Run(#[from] RunError),
     #[error("{0}")]
     Usage(String),
     #[error("cannot write the table: {0}")]
@@ -100,7 +110,11 @@ impl Failure {
             Failure::Memory { .. } => "memory",
             Failure::Draft { .. } => "robot-file",
             Failure::Plan(_) => "no-plan",
-            Failure::File(_) | Failure::Table(_) | Failure::Stdout(_) => "cannot-write",
+            Failure::File(_)
+            | Failure::Table(_)
+            | Failure::Stdout(_)
+            | Failure::Store(StoreError::File(_))
+            | Failure::Run(_) => "cannot-write",
             Failure::Observations { .. } => "observations",
             Failure::Calibration { .. } => "no-calibration",
             Failure::PlanFile { .. } => "plan-file",
@@ -112,6 +126,9 @@ impl Failure {
             Failure::Exists(_) => "exists",
             Failure::Print(_) => "page",
             Failure::Usage(_) => "command-line",
+            Failure::Store(StoreError::Busy { .. }) => "busy",
+            Failure::Store(StoreError::Other { .. }) => "other-study",
+            Failure::Incomplete { .. } => "incomplete",
             Failure::Verify(_) => "no-verification",
         }
     }
@@ -151,6 +168,37 @@ impl Failure {
 impl From<SurveyError> for Failure {
     fn from(error: SurveyError) -> Self {
         Failure::Plan(error.into())
+    }
+}
+
+fn store_help(error: &StoreError) -> String {
+    match error {
+        StoreError::File(error) => file_help(error),
+        StoreError::Busy { .. } => {
+            "wait for it, or choose another folder with --output; several machines share a study by `calipose study cell --shard`"
+                .into()
+        }
+        StoreError::Other { .. } => {
+            "choose another folder with --output, or replace its tables, figures and page with --force".into()
+        }
+    }
+}
+
+fn incomplete_help(others: bool) -> &'static str {
+    if others {
+        "`calipose study run` computes those that are missing; cells of the study as it was, or of another version of calipose, do \
+         not count"
+    } else {
+        "`calipose study run` computes those that are missing"
+    }
+}
+
+fn run_help(error: &RunError) -> String {
+    match error {
+        RunError::File(error) => {
+            format!("{}; the cells computed so far are kept, and the next run goes on from them", file_help(error))
+        }
+        RunError::Threads(_) => "use fewer with --threads".into(),
     }
 }
 

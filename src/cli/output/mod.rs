@@ -148,9 +148,20 @@ pub(crate) fn joint_columns(joints: &[Joint]) -> impl Iterator<Item = String> {
     joints.iter().map(|joint| format!("{} [{}]", joint.name, joint.kind.display_unit()))
 }
 
+/// A time as one would say it.
+pub(crate) fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 10.0 => format!("{s:.1} s"),
+        s if s < 120.0 => format!("{s:.0} s"),
+        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
+        s if s < 172_800.0 => format!("{:.1} h", s / 3600.0),
+        s => format!("{} days", grouped((s / 86_400.0) as usize)),
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{WIDTH, wrapped};
+    use super::{WIDTH, duration, wrapped};
 
     #[test]
     fn numbers_stay_whole_where_prose_is_wrapped() {
@@ -161,5 +172,13 @@ mod tests {
             assert!(lines.contains("502 656") && lines.contains("7.146 px"), "{lines}");
             assert_eq!(lines.replace('\n', " "), text);
         }
+    }
+
+    #[test]
+    fn times_are_told_in_their_units() {
+        assert_eq!(
+            [0.52, 33.2, 119.0, 150.0, 8000.0, 1e6].map(duration),
+            ["0.5 s", "33 s", "119 s", "2 min", "2.2 h", "11 days"]
+        );
     }
 }

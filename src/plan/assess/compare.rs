@@ -87,10 +87,6 @@ impl Comparison {
     }
 }
 
-fn is_seeded(method: Method) -> bool {
-    matches!(method, Method::Random | Method::KMeansJoints | Method::KMeansPositions)
-}
-
 /// Chooses by every method at every number of poses; methods that depend on a seed run `seeds` times from `seed` on.
 /// `observe` is called after each row.
 ///
@@ -108,7 +104,7 @@ pub fn compare(
     for &count in counts {
         let certificate = chooser.certificate(count)?;
         for &method in methods {
-            let runs = if is_seeded(method) { seeds } else { 1 };
+            let runs = if method.is_seeded() { seeds } else { 1 };
             let (choice, time) = median_choice(chooser, method, count, seed, runs)?;
             let efficiency = certificate.efficiency(choice.log_value);
             rows.push(Row { method, choice, efficiency, time });

@@ -1,6 +1,8 @@
 //! What stands first in every document.
 
 use schemars::JsonSchema;
+use serde::de::{Deserializer, Error};
+use serde::ser::{SerializeMap, Serializer};
 use serde::{Deserialize, Serialize};
 
 use crate::problem::{OverrideError, Overrides, Problem};
@@ -72,4 +74,23 @@ impl ProblemReference {
 /// A number as JSON can say it: `null` where it is infinite or undefined.
 pub(crate) fn finite(number: f64) -> Option<f64> {
     number.is_finite().then_some(number)
+}
+
+/// An object with the numbers under their names, in this order.
+pub(crate) fn by_name<S: Serializer>(numbers: &[(String, f64)], serializer: S) -> Result<S::Ok, S::Error> {
+    let mut object = serializer.serialize_map(Some(numbers.len()))?;
+    for (name, number) in numbers {
+        object.serialize_entry(name, number)?;
+    }
+    object.end()
+}
+
+/// The numbers of an object, by their names.
+pub(crate) fn from_names<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<(String, f64)>, D::Error> {
+    let object = serde_json::Map::deserialize(deserializer)?;
+    let number = |(name, value): (String, serde_json::Value)| match value.as_f64() {
+        Some(number) => Ok((name, number)),
+        None => Err(D::Error::custom(format!("the sigma of {name} is no number"))),
+    };
+    object.into_iter().map(number).collect()
 }

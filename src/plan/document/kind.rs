@@ -13,6 +13,7 @@ use super::plan::{Plan, PolishedPlan, Run};
 use super::problem::{BoardDocument, CheckDocument, InitDocument, ReachDocument, SweepDocument};
 use super::refusal::ErrorDocument;
 use super::review::Review;
+use super::study::{CellDocument, CellsDocument, StudyCheckDocument, StudyDocument};
 
 /// A kind of document.
 #[derive(Debug, Clone, Copy)]
@@ -26,7 +27,7 @@ pub struct Kind {
 
 impl Kind {
     /// Every kind, those first that are written beside a plan.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 21] = [
         Self::of::<Plan>(),
         Self::of::<Run>(),
         Self::of::<Verification>(),
@@ -43,6 +44,10 @@ impl Kind {
         Self::of::<CheckDocument>(),
         Self::of::<BoardDocument>(),
         Self::of::<InitDocument>(),
+        Self::of::<StudyDocument>(),
+        Self::of::<CellDocument>(),
+        Self::of::<CellsDocument>(),
+        Self::of::<StudyCheckDocument>(),
         Self::of::<ErrorDocument>(),
     ];
 

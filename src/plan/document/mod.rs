@@ -8,6 +8,7 @@ mod plan;
 mod problem;
 mod refusal;
 mod review;
+mod study;
 mod views;
 
 pub use answers::{
@@ -37,6 +38,10 @@ pub(crate) use review::image_share;
 pub use review::{
     BoundPoint, OtherChoice, Picture, Review, ReviewedPose, Scene, SceneBoard, SceneCamera, SceneJoint, SceneLink,
     SceneMotion, SceneShape, SceneSolid, SurveyedViews,
+};
+pub use study::{
+    AxisMeans, CellDocument, CellOutcome, CellRow, CellSeconds, CellsDocument, ComparedLevels, Difference, Mean,
+    OutcomeSummary, ReasonCount, SimulatedOutcome, StudyAxis, StudyCheckDocument, StudyDocument,
 };
 pub use views::views_csv;
 #[cfg(feature = "parquet")]

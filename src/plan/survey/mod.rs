@@ -83,16 +83,37 @@ fn describe_rejections(rejected: &[usize]) -> String {
     counted.join(", ")
 }
 
+/// The candidates that passed every check, before it is known what they would teach.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Feasible {
+    views: Vec<View>,
+    rejected: [usize; Rejection::ALL.len()],
+    links: LinkPairs,
+}
+
 /// Sweeps, filters and weighs the candidates of `problem`; `observe` as in [`sweep`].
 ///
 /// # Errors
 /// When no candidate is left.
 pub fn survey(problem: &Problem, observe: &(dyn Fn(usize) + Sync)) -> Result<Survey, SurveyError> {
+    let sweep = candidates(problem, observe)?;
+    let feasible = feasible(problem, &sweep)?;
+    weighed(problem, sweep, feasible)
+}
+
+/// The first stage of a survey: the candidates. It depends on robot, target, joint space and axis rule alone.
+pub(crate) fn candidates(problem: &Problem, observe: &(dyn Fn(usize) + Sync)) -> Result<Sweep, SurveyError> {
     let Problem { robot, target, space, .. } = problem;
     let sweep = sweep(robot, target, space, problem.axis, observe);
     if sweep.candidates.is_empty() {
         return Err(SurveyError::NoCandidates { swept: sweep.swept, diagnosis: Box::new(diagnose(problem)) });
     }
+    Ok(sweep)
+}
+
+/// The second stage: those that are views. It depends, beside the first, on camera, limits of visibility, clearance and stability.
+pub(crate) fn feasible(problem: &Problem, sweep: &Sweep) -> Result<Feasible, SurveyError> {
+    let space = &problem.space;
     let checks = problem.checks();
     let (views, rejected) = feasible_views(&checks, space, &sweep.candidates);
     if views.is_empty() {
@@ -102,6 +123,12 @@ pub fn survey(problem: &Problem, observe: &(dyn Fn(usize) + Sync)) -> Result<Sur
         return Err(SurveyError::NoViews { candidates: sweep.candidates.len(), rejected, contacts, diagnosis });
     }
     let links = checks.collision().links().clone();
+    Ok(Feasible { views, rejected, links })
+}
+
+/// The third stage: what the views would teach, which depends on the noise and on what is estimated too.
+pub(crate) fn weighed(problem: &Problem, sweep: Sweep, feasible: Feasible) -> Result<Survey, SurveyError> {
+    let Feasible { views, rejected, links } = feasible;
     Ok(Survey { sweep, rejected, links, ..Survey::of(problem, views)? })
 }
 

@@ -185,6 +185,22 @@ pub enum Reason {
         /// How many are allowed.
         most: usize,
     },
+    /// A problem in which the value is set refuses it.
+    InProblem {
+        /// The problem file.
+        problem: PathBuf,
+        /// What is wrong with the problem then.
+        sentence: String,
+        /// What to do.
+        hint: Option<String>,
+    },
+    /// The experiment has more cells than can be.
+    TooManyCells {
+        /// How many.
+        cells: f64,
+        /// How many are allowed.
+        most: usize,
+    },
     /// The sample has no dimensions for so many joints.
     TooManyJoints {
         /// How many joints there are.
@@ -254,6 +270,8 @@ impl Reason {
             Reason::TooManyConfigurations { configurations, .. } => {
                 format!("`{key}` makes {configurations:.1e} configurations")
             }
+            Reason::InProblem { sentence, .. } => format!("`{key}`: {sentence}"),
+            Reason::TooManyCells { cells, .. } => format!("`{key}` makes {cells:.1e} cells"),
             Reason::TooManyJoints { joints, .. } => format!("`{key}` does not support {joints} joints"),
         }
     }
@@ -303,7 +321,10 @@ impl Reason {
             Reason::NoLimits { .. } => "needs their ranges".into(),
             Reason::NoFolder { .. } => "must be an existing folder".into(),
             Reason::NothingMoves { .. } => "must be moved by a joint".into(),
-            Reason::TooManyConfigurations { most, .. } => format!("must make at most {}", Number(*most as f64)),
+            Reason::TooManyConfigurations { most, .. } | Reason::TooManyCells { most, .. } => {
+                format!("must make at most {}", Number(*most as f64))
+            }
+            Reason::InProblem { problem, .. } => format!("refused by {}", problem.display()),
             Reason::TooManyJoints { most, .. } => format!("supports at most {most}"),
         }
     }
@@ -361,6 +382,10 @@ impl Reason {
             Reason::NoShape { allowed } => format!("give one of {}", quoted(allowed)),
             Reason::Ambiguous { .. } => "rename the joint".into(),
             Reason::NoMasses => "give them in `[[robot.masses]]`".into(),
+            Reason::InProblem { hint, .. } => return hint.clone(),
+            Reason::TooManyCells { .. } => {
+                "vary fewer factors at a time, or draw settings with `design = { kind = \"sampled\", draws = 256 }`".into()
+            }
             Reason::TooManyJoints { .. } => "give a grid with `step_deg` or `step_mm` instead".into(),
             _ => return meaning.map(str::to_owned),
         };

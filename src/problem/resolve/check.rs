@@ -10,53 +10,53 @@ use crate::robot::JointKind;
 use crate::spatial::Pose;
 
 /// Lengths and positions in mm: a kilometre is a slip of the pen.
-pub(super) const LENGTH: Allowed = Allowed::between(-1e6, 1e6);
+pub(crate) const LENGTH: Allowed = Allowed::between(-1e6, 1e6);
 /// Sizes and distances in mm.
-pub(super) const SIZE: Allowed = Allowed::positive(1e6);
+pub(crate) const SIZE: Allowed = Allowed::positive(1e6);
 /// Lengths in mm and px that may be 0.
-pub(super) const NOT_NEGATIVE: Allowed = Allowed::between(0.0, 1e6);
+pub(crate) const NOT_NEGATIVE: Allowed = Allowed::between(0.0, 1e6);
 /// Angles in degrees: ten turns.
-pub(super) const ANGLE: Allowed = Allowed::between(-3600.0, 3600.0);
+pub(crate) const ANGLE: Allowed = Allowed::between(-3600.0, 3600.0);
 
 /// The faults and notes found so far. A check returns its value in SI units even where it is wrong, so that the next can run.
-pub(super) struct Check<'d, 'a> {
-    pub(super) document: &'d Document<'a>,
-    pub(super) faults: Vec<Fault>,
-    pub(super) notes: Vec<Note>,
+pub(crate) struct Check<'d, 'a> {
+    pub(crate) document: &'d Document<'a>,
+    pub(crate) faults: Vec<Fault>,
+    pub(crate) notes: Vec<Note>,
 }
 
 impl Check<'_, '_> {
-    pub(super) fn fault(&mut self, path: &KeyPath, reason: Reason) {
+    pub(crate) fn fault(&mut self, path: &KeyPath, reason: Reason) {
         self.faults.push(text::fault(self.document, path, reason));
     }
 
     /// What the user should know about the key at `path`, or the file it names.
-    pub(super) fn note(&mut self, path: &KeyPath, text: String) {
+    pub(crate) fn note(&mut self, path: &KeyPath, text: String) {
         self.notes.push(Note { key: path.to_string(), text });
     }
 
     /// A number that must be `allowed`.
-    pub(super) fn number(&mut self, number: &At<f64>, allowed: Allowed) -> f64 {
+    pub(crate) fn number(&mut self, number: &At<f64>, allowed: Allowed) -> f64 {
         self.within(&number.path, *number.value, allowed)
     }
 
     /// A whole number that must be `allowed`.
-    pub(super) fn count(&mut self, count: &At<impl Copy + Into<u64>>, allowed: Allowed) -> usize {
+    pub(crate) fn count(&mut self, count: &At<impl Copy + Into<u64>>, allowed: Allowed) -> usize {
         self.within(&count.path, (*count.value).into() as f64, allowed) as usize
     }
 
     /// A length in mm, in m.
-    pub(super) fn length(&mut self, length: &At<f64>, allowed: Allowed) -> f64 {
+    pub(crate) fn length(&mut self, length: &At<f64>, allowed: Allowed) -> f64 {
         self.number(length, allowed) / 1e3
     }
 
     /// An angle in degrees, in rad.
-    pub(super) fn angle(&mut self, angle: &At<f64>, allowed: Allowed) -> f64 {
+    pub(crate) fn angle(&mut self, angle: &At<f64>, allowed: Allowed) -> f64 {
         self.number(angle, allowed).to_radians()
     }
 
     /// `value` of the key at `path`, which must be `allowed`.
-    pub(super) fn within(&mut self, path: &KeyPath, value: f64, allowed: Allowed) -> f64 {
+    pub(crate) fn within(&mut self, path: &KeyPath, value: f64, allowed: Allowed) -> f64 {
         if !allowed.contains(value) {
             self.fault(path, Reason::OutOfRange { value, allowed });
         }
@@ -64,7 +64,7 @@ impl Check<'_, '_> {
     }
 
     /// A range in the file's unit.
-    pub(super) fn range(&mut self, range: &At<Range>, allowed: Allowed) -> [f64; 2] {
+    pub(crate) fn range(&mut self, range: &At<Range>, allowed: Allowed) -> [f64; 2] {
         let [min, max] = range.numbers().map(|end| self.number(&end, allowed));
         if min > max {
             self.fault(&range.path, Reason::Reversed { min, max });
@@ -72,7 +72,7 @@ impl Check<'_, '_> {
         [min, max]
     }
 
-    pub(super) fn pose(&mut self, pose: &At<schema::Pose>) -> Pose {
+    pub(crate) fn pose(&mut self, pose: &At<schema::Pose>) -> Pose {
         let position = key!(pose, position_mm).numbers().map(|p| self.length(&p, LENGTH));
         let (rpy, quaternion) = (key!(pose, rpy_deg), key!(pose, quaternion_xyzw));
         if rpy.is_given() {
@@ -101,7 +101,7 @@ impl Check<'_, '_> {
     }
 
     /// The value, which must be given: one of `allowed`, where these can be listed.
-    pub(super) fn required<'f, T>(&mut self, value: At<'f, Option<T>>, allowed: &[&str]) -> Option<At<'f, T>> {
+    pub(crate) fn required<'f, T>(&mut self, value: At<'f, Option<T>>, allowed: &[&str]) -> Option<At<'f, T>> {
         if !value.is_given() {
             self.fault(&value.path, Reason::Missing { allowed: owned(allowed) });
         }
@@ -109,30 +109,30 @@ impl Check<'_, '_> {
     }
 
     /// Refuses `keys`, which the key called `by` excludes.
-    pub(super) fn excluded(&mut self, keys: &[&dyn Optional], by: &str) {
+    pub(crate) fn excluded(&mut self, keys: &[&dyn Optional], by: &str) {
         for key in keys.iter().filter(|key| key.is_given()) {
             self.fault(key.path(), Reason::Conflict { with: by.into() });
         }
     }
 
     /// Refuses `keys`, which do not apply to `to`.
-    pub(super) fn refused(&mut self, keys: &[&dyn Optional], to: &str, instead: &str) {
+    pub(crate) fn refused(&mut self, keys: &[&dyn Optional], to: &str, instead: &str) {
         for key in keys.iter().filter(|key| key.is_given()) {
             self.not_applicable(key.path(), to, instead);
         }
     }
 
-    pub(super) fn not_applicable(&mut self, path: &KeyPath, to: &str, instead: &str) {
+    pub(crate) fn not_applicable(&mut self, path: &KeyPath, to: &str, instead: &str) {
         self.fault(path, Reason::NotApplicable { to: to.into(), instead: instead.into() });
     }
 
-    pub(super) fn unknown(&mut self, path: &KeyPath, name: &str, allowed: &[&str]) {
+    pub(crate) fn unknown(&mut self, path: &KeyPath, name: &str, allowed: &[&str]) {
         self.fault(path, Reason::UnknownName { name: name.into(), allowed: owned(allowed) });
     }
 }
 
 /// A joint value in rad or m in the file's unit, to a thousandth.
-pub(super) fn file_unit(kind: JointKind, value: f64) -> f64 {
+pub(crate) fn file_unit(kind: JointKind, value: f64) -> f64 {
     (kind.to_display(value) * 1e3).round() / 1e3 + 0.0
 }
 

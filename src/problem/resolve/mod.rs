@@ -16,7 +16,8 @@ use super::fault::{Allowed, Fault, Reason};
 use super::text::{At, Document, key};
 use super::{Problem, schema};
 use crate::camera::Camera;
-use check::{Check, SIZE};
+pub(crate) use check::Check;
+use check::SIZE;
 
 /// Standard deviations of a corner in px: from that of no detector to the size of a picture.
 const NOISE: Allowed = Allowed::between(1e-6, 1e3);
@@ -111,7 +112,7 @@ impl Check<'_, '_> {
 }
 
 /// `name` as a folder: lower-case letters and digits, everything else a hyphen.
-fn slug(name: &str) -> String {
+pub(crate) fn slug(name: &str) -> String {
     let words = name.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
     let slug = words.map(str::to_lowercase).collect::<Vec<_>>().join("-");
     if slug.is_empty() { "plan".into() } else { slug }

@@ -19,6 +19,9 @@ pub(crate) struct Camera {
     /// `quaternion_xyzw`. `calipose check` says which way is up in the picture.
     #[serde(default)]
     pub(crate) mount: TextOrTable<Named<MountName>, Pose>,
+    /// Turn of the mounted camera about its optical axis, in degrees: positive turns its right towards its down.
+    #[serde(default)]
+    pub(crate) roll_deg: f64,
     /// Solid around the camera; its pose is in the camera frame.
     pub(crate) housing: Option<Body>,
     /// File with the nominal calibration, in place of the keys below: ROS `camera_info` YAML or the message as `topic echo` prints it,

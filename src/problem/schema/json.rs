@@ -2,18 +2,23 @@
 
 use std::sync::LazyLock;
 
-use schemars::Schema;
 use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;
+use schemars::{JsonSchema, Schema};
 use serde_json::{Value, json};
 
 use super::file::File;
 
 /// The JSON Schema of problem files, for editors.
 pub fn schema_json() -> Value {
+    toml_schema::<File>()
+}
+
+/// The JSON Schema of TOML files that are read as `T`.
+pub(crate) fn toml_schema<T: JsonSchema>() -> Value {
     // The draft that TOML editors know.
     let settings = SchemaSettings::draft07().with_transform(RecursiveTransform(adapt_to_toml));
-    settings.into_generator().into_root_schema_for::<File>().to_value()
+    settings.into_generator().into_root_schema_for::<T>().to_value()
 }
 
 /// TOML has no null: a key that may be left out is simply not required. Descriptions lose their source's line breaks.
@@ -53,29 +58,47 @@ fn adapt_to_toml(schema: &mut Schema) {
     }
 }
 
-/// What the key at the end of this way means: its description in the schema. Names that the file makes up below it, of sets of
-/// limits, share it.
-pub(crate) fn meaning<'k>(keys: impl Iterator<Item = &'k str>) -> Option<String> {
-    Some(node(keys)?.get("description")?.as_str()?.to_owned())
+/// What the schema of a kind of file says about its keys, for messages.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Vocabulary {
+    root: &'static Value,
 }
 
-/// The least and the greatest value of the whole number at the end of this way, where the schema has them.
-pub(crate) fn bounds<'k>(keys: impl Iterator<Item = &'k str>) -> (Option<u64>, Option<u64>) {
-    let node = node(keys);
-    let bound = |name: &str| node?.get(name)?.as_u64();
-    (bound("minimum"), bound("maximum"))
-}
-
-/// The part of the schema that describes the key at the end of this way, or the nearest key above that is described.
-fn node<'k>(keys: impl Iterator<Item = &'k str>) -> Option<&'static Value> {
-    /// Made once: a file may have many faults.
-    static ROOT: LazyLock<Value> = LazyLock::new(schema_json);
-    let mut node = &*ROOT;
-    for key in keys {
-        let Some(properties) = object_below(&ROOT, node).get("properties") else { break };
-        node = properties.get(key)?;
+impl Vocabulary {
+    /// Of files that `schema` describes.
+    pub(crate) fn new(schema: &'static Value) -> Self {
+        Self { root: schema }
     }
-    Some(node)
+
+    /// Of problem files.
+    pub(crate) fn of_problems() -> Self {
+        /// Made once: a file may have many faults.
+        static ROOT: LazyLock<Value> = LazyLock::new(schema_json);
+        Self::new(&ROOT)
+    }
+
+    /// What the key at the end of this way means: its description in the schema. Names that the file makes up below it, of sets of
+    /// limits, share it.
+    pub(crate) fn meaning<'k>(self, keys: impl Iterator<Item = &'k str>) -> Option<String> {
+        Some(self.node(keys)?.get("description")?.as_str()?.to_owned())
+    }
+
+    /// The least and the greatest value of the whole number at the end of this way, where the schema has them.
+    pub(crate) fn bounds<'k>(self, keys: impl Iterator<Item = &'k str>) -> (Option<u64>, Option<u64>) {
+        let node = self.node(keys);
+        let bound = |name: &str| node?.get(name)?.as_u64();
+        (bound("minimum"), bound("maximum"))
+    }
+
+    /// The part of the schema that describes the key at the end of this way, or the nearest key above that is described.
+    fn node<'k>(self, keys: impl Iterator<Item = &'k str>) -> Option<&'static Value> {
+        let mut node = self.root;
+        for key in keys {
+            let Some(properties) = object_below(self.root, node).get("properties") else { break };
+            node = properties.get(key)?;
+        }
+        Some(node)
+    }
 }
 
 /// The object that `node` refers to, is a list of, or may be.

@@ -16,7 +16,7 @@ pub(crate) struct At<'f, T> {
 /// is, so that the compiler knows both.
 macro_rules! key {
     ($section:expr, $($key:ident).+) => {
-        $crate::problem::text::At {
+        $crate::problem::At {
             value: &$section.value.$($key).+,
             path: $section.path$(.key(stringify!($key)))+,
         }

@@ -1,4 +1,4 @@
-//! Where in the text of a problem file a key stands.
+//! Where in the text of a file a key stands.
 
 use std::ops::Range;
 
@@ -11,11 +11,14 @@ use super::merge;
 use super::overrides::Overrides;
 use super::path::{KeyPath, Segment};
 use super::source::{Place, Source, Unreadable};
+use crate::problem::schema::Vocabulary;
 
-/// A problem file with the place of every key and value, those given in place of the file's among them.
+/// A file with the place of every key and value, those given in place of the file's among them.
 pub(crate) struct Document<'a> {
     source: &'a Source,
     root: Spanned<DeTable<'a>>,
+    /// What its keys mean.
+    pub(super) words: Vocabulary,
     /// The values given in place of the file's that say anything else.
     pub(crate) overrides: Overrides,
 }
@@ -23,7 +26,7 @@ pub(crate) struct Document<'a> {
 impl<'a> Document<'a> {
     /// # Errors
     /// When the file is not TOML, or a value has no place in it.
-    pub(crate) fn parse(source: &'a Source) -> Result<Self, Unreadable> {
+    pub(crate) fn parse(source: &'a Source, words: Vocabulary) -> Result<Self, Unreadable> {
         let mut root = DeTable::parse(source.file())?;
         let mut overrides = Overrides::new();
         for (line, given) in &source.overrides {
@@ -31,7 +34,7 @@ impl<'a> Document<'a> {
                 overrides.push(given.clone());
             }
         }
-        Ok(Self { source, root, overrides })
+        Ok(Self { source, root, words, overrides })
     }
 
     /// What the document says, as `T`.
@@ -133,7 +136,7 @@ mod tests {
     }
 
     fn at(path: &KeyPath) -> &str {
-        &TEXT[Document::parse(&source()).unwrap().locate(path).0]
+        &TEXT[Document::parse(&source(), Vocabulary::of_problems()).unwrap().locate(path).0]
     }
 
     #[test]
@@ -153,7 +156,7 @@ mod tests {
     #[test]
     fn paths_are_found_by_place() {
         let source = source();
-        let document = Document::parse(&source).unwrap();
+        let document = Document::parse(&source, Vocabulary::of_problems()).unwrap();
         let path = KeyPath::default().key("robot").key("joints").at(1).key("b");
         let (value, written) = document.locate(&path);
         assert!(written && !document.locate(&path.key("c")).1);

@@ -169,13 +169,13 @@ fn remove(root: &mut DeTable, path: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::problem::schema::meaning;
+    use crate::problem::schema::Vocabulary;
 
     #[test]
     fn keys_that_exclude_others_are_of_the_schema() {
         for key in INSTEAD.iter().flat_map(|(one, others)| others.iter().chain([one])) {
             let path = KeyPath::parse(key).unwrap();
-            assert!(meaning(path.keys()).is_some(), "{key}");
+            assert!(Vocabulary::of_problems().meaning(path.keys()).is_some(), "{key}");
         }
     }
 }

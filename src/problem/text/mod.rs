@@ -8,9 +8,9 @@ mod path;
 mod source;
 mod syntax;
 
-pub(super) use at::{At, Optional, key};
-pub(super) use document::Document;
+pub(crate) use at::{At, Optional, key};
+pub(crate) use document::Document;
 pub use overrides::{OverrideError, Overrides};
-pub(super) use path::KeyPath;
-pub(super) use source::Source;
-pub(super) use syntax::{fault, read};
+pub(crate) use path::KeyPath;
+pub(crate) use source::Source;
+pub(crate) use syntax::{fault, read};

@@ -1,14 +1,16 @@
-//! From the text of a problem file to its schema, and from serde's complaints to faults.
+//! From the text of a file to its schema, and from serde's complaints to faults.
+
+use serde::de::DeserializeOwned;
 
 use super::document::Document;
 use super::path::KeyPath;
 use super::source::{Place, Source};
 use crate::problem::fault::{Fault, Reason};
-use crate::problem::schema::{File, bounds, meaning};
+use crate::problem::schema::Vocabulary;
 
-/// The document of `source`, and what it says.
-pub(crate) fn read(source: &Source) -> Result<(Document<'_>, File), Box<Fault>> {
-    let document = Document::parse(source).map_err(|error| {
+/// The document of `source`, and what it says as `T`, whose keys are in the vocabulary.
+pub(crate) fn read<T: DeserializeOwned>(source: &Source, words: Vocabulary) -> Result<(Document<'_>, T), Box<Fault>> {
+    let document = Document::parse(source, words).map_err(|error| {
         let Place { given, span, line, column } = source.place(&error.span);
         let reason = Reason::Syntax { message: error.message };
         Box::new(Fault { key: String::new(), written: true, given, line, column, span, reason, meaning: None })
@@ -23,7 +25,16 @@ pub(crate) fn read(source: &Source) -> Result<(Document<'_>, File), Box<Fault>> 
 pub(crate) fn fault(document: &Document, path: &KeyPath, reason: Reason) -> Fault {
     let (span, written) = document.locate(path);
     let Place { given, span, line, column } = document.place(&span);
-    Fault { key: path.to_string(), written, given, line, column, span, reason, meaning: meaning(path.keys()) }
+    Fault {
+        key: path.to_string(),
+        written,
+        given,
+        line,
+        column,
+        span,
+        reason,
+        meaning: document.words.meaning(path.keys()),
+    }
 }
 
 /// Serde reports in text only; its wording is stable, and snapshots of the messages hold it.
@@ -43,12 +54,24 @@ fn translate(document: &Document, error: &toml::de::Error) -> Fault {
     } else if let (true, [name, allowed @ ..]) = (message.starts_with("unknown variant"), &names[..]) {
         Reason::UnknownName { name: name.clone(), allowed: allowed.to_vec() }
     } else if let Some((found, expected)) = message.rsplit_once(", expected ") {
-        Reason::Type { found: plain_found(found), expected: plain_expected(expected, bounds(path.keys())) }
+        Reason::Type {
+            found: plain_found(found),
+            expected: plain_expected(expected, document.words.bounds(path.keys())),
+        }
     } else {
         Reason::Syntax { message: message.to_owned() }
     };
     let Place { given, span, line, column } = document.place(&span);
-    Fault { key: path.to_string(), written: true, given, line, column, span, reason, meaning: meaning(path.keys()) }
+    Fault {
+        key: path.to_string(),
+        written: true,
+        given,
+        line,
+        column,
+        span,
+        reason,
+        meaning: document.words.meaning(path.keys()),
+    }
 }
 
 fn plain_found(serde: &str) -> String {

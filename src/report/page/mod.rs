@@ -8,12 +8,14 @@ mod facts;
 mod head;
 mod picture;
 mod plan;
+mod study;
 mod table;
 mod verification;
 
 pub use calibration::calibration_page;
 pub use comparison::comparison_page;
 pub use plan::plan_page;
+pub use study::study_page;
 pub use verification::verification_page;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -60,7 +62,7 @@ fn plots(figures: &[Figure]) -> Markup {
 fn plot(figure: &Figure) -> Markup {
     let drawn = svg(figure, &Style::page(560.0, 340.0));
     html! {
-        figure class="plot" id=(figure.name) {
+        figure class="plot" id=(&*figure.name) {
             h3 { (figure.title) }
             (PreEscaped(labelled(&drawn, figure)))
             figcaption { (figure.caption) }

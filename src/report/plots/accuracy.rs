@@ -27,7 +27,7 @@ pub(super) fn by_count(review: &Review) -> Figure {
     }
     series.push(line("this plan", Hue::Plan, Mark::Discs, here));
     Figure {
-        name: "error-by-poses",
+        name: "error-by-poses".into(),
         title: "What more poses bring".into(),
         caption: if proven {
             "The dashed line is proven: no choice of so many views has a smaller map error.".into()
@@ -66,7 +66,7 @@ pub(super) fn error_map(name: &'static str, title: String, map: &ErrorGrid, size
         short(most)
     );
     let content = Content::Map { rows: map.error_px.clone(), size, most, unit: "px" };
-    Figure { name, title, caption, x: "u [px]".into(), y: "v [px]".into(), content }
+    Figure { name: name.into(), title, caption, x: "u [px]".into(), y: "v [px]".into(), content }
 }
 
 /// Standard deviations sampled in simulated calibrations as a share of those predicted.
@@ -76,7 +76,7 @@ pub(super) fn sampled(verification: &Verification) -> Figure {
         Some(Interval { name: parameter.name.clone(), value: parameter.ratio?, range: (least?, greatest?) })
     });
     Figure {
-        name: "sampled-sigma",
+        name: "sampled-sigma".into(),
         title: "Is the prediction kept?".into(),
         caption: format!(
             "Standard deviation of each intrinsic in {} simulated calibrations, as a share of the predicted: it should lie within its bar, \
@@ -92,7 +92,7 @@ pub(super) fn sampled(verification: &Verification) -> Figure {
 /// Correlations of the intrinsics.
 pub(super) fn correlations(plan: &Plan, review: &Review) -> Option<Figure> {
     (!review.correlation.is_empty()).then(|| Figure {
-        name: "correlation",
+        name: "correlation".into(),
         title: "Which intrinsics are hard to tell apart".into(),
         caption: "Correlation of the errors: near 1 or −1 the two err together, and only their combination is known."
             .into(),

@@ -20,7 +20,7 @@ pub(super) fn residuals(calibration: &CalibrationDocument) -> Option<Figure> {
     let stride = all.len().div_ceil(MOST_ARROWS).max(1);
     let arrows: Vec<_> = all.iter().step_by(stride).map(|corner| (corner.corner_px, corner.residual_px)).collect();
     (!arrows.is_empty()).then(|| Figure {
-        name: "residuals",
+        name: "residuals".into(),
         title: "Residuals over the image".into(),
         caption: format!(
             "From each corner to its projection, drawn {scale:.0} times as long as they are; 95 % are shorter than {} px. Arrows of one \
@@ -38,7 +38,7 @@ pub(super) fn by_view(calibration: &CalibrationDocument) -> Figure {
     let points = calibration.views.iter().zip(1u32..).map(|(view, number)| (f64::from(number), view.rms_px)).collect();
     let titles = calibration.views.iter().map(|view| format!("{}: {} px", view.name, short(view.rms_px))).collect();
     Figure {
-        name: "residuals-by-picture",
+        name: "residuals-by-picture".into(),
         title: "Residuals picture by picture".into(),
         caption: "A picture that stands out was blurred, moved, or its corners were mistaken.".into(),
         x: "picture, in the order of the table".into(),

@@ -28,7 +28,7 @@ pub(super) fn map_errors(comparison: &ComparisonDocument) -> Figure {
         series.push(Series { name: method.into(), hue, mark: Mark::Line(line), points, titles: vec![] });
     }
     Figure {
-        name: "methods",
+        name: "methods".into(),
         title: "Map error by method".into(),
         caption: "Predicted map error of each method's choice; methods that depend on a seed at the median of several."
             .into(),

@@ -7,7 +7,7 @@ use crate::report::figure::{Content, Figure, Hue, Mark, Series};
 /// Tilt and azimuth of views and poses.
 pub(super) fn directions(review: &Review) -> Figure {
     Figure {
-        name: "coverage-directions",
+        name: "coverage-directions".into(),
         title: "From which directions the board is seen".into(),
         caption: "Calibration lives on tilt: views from straight above say little of the focal length.".into(),
         x: "azimuth about the board's normal [°]".into(),
@@ -19,7 +19,7 @@ pub(super) fn directions(review: &Review) -> Figure {
 /// Distance of views and poses, and the picture's share that the board takes.
 pub(super) fn pictures(review: &Review) -> Figure {
     Figure {
-        name: "coverage-pictures",
+        name: "coverage-pictures".into(),
         title: "How large the board is in the picture".into(),
         caption: "Pictures that the board fills measure the lens up to the border.".into(),
         x: "distance [mm]".into(),

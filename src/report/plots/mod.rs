@@ -6,10 +6,11 @@ mod comparison;
 mod coverage;
 mod poses;
 mod space;
+mod study;
 
 use super::PlanDocuments;
 use super::figure::Figure;
-use crate::plan::document::{CalibrationDocument, ComparisonDocument, Verification};
+use crate::plan::document::{CalibrationDocument, ComparisonDocument, StudyDocument, Verification};
 
 /// Views drawn at most; more would only hide each other.
 const MOST_DOTS: usize = 600;
@@ -48,4 +49,9 @@ pub(super) fn verification_figures(verification: &Verification) -> Vec<Figure> {
 /// The plots of a comparison.
 pub(super) fn comparison_figures(comparison: &ComparisonDocument) -> Vec<Figure> {
     vec![comparison::map_errors(comparison)]
+}
+
+/// The plots of a study.
+pub fn study_figures(study: &StudyDocument) -> Vec<Figure> {
+    study::figures(study)
 }

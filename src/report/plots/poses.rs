@@ -16,7 +16,7 @@ pub(super) fn rejections(plan: &Plan) -> Figure {
         (candidates.clone(), format!("{} {}", grouped(count), reason.replace('_', " ")), count as f64)
     }));
     Figure {
-        name: "rejections",
+        name: "rejections".into(),
         title: "From configurations to views".into(),
         caption: format!(
             "Of {} configurations swept, {} point the camera at the board's zone; what became of these.",
@@ -41,7 +41,7 @@ pub(super) fn joints(review: &Review) -> Figure {
         }
     }
     Figure {
-        name: "joints",
+        name: "joints".into(),
         title: "Where the joints are within their limits".into(),
         caption: "0 % is the lower limit, 100 % the upper. Poses at a limit leave a robot no room to correct.".into(),
         x: "share of the joint's range [%]".into(),

@@ -85,7 +85,7 @@ impl Canvas {
 
     fn figure(self, name: &'static str, title: &str, caption: String) -> Figure {
         Figure {
-            name,
+            name: name.into(),
             title: title.into(),
             caption,
             x: "mm, seen along a diagonal".into(),

@@ -6,10 +6,11 @@ mod sight;
 mod tested;
 
 use super::plan::what_views_do;
+use super::study::{self, is_study};
 use crate::cli::arguments::ProblemArguments;
 use crate::cli::memory::Memory;
 use crate::cli::output::failure::Failure;
-use crate::cli::output::{Screen, grouped};
+use crate::cli::output::{Screen, duration, grouped};
 use crate::plan::assess::{Forecast, forecast};
 use crate::plan::survey::diagnose;
 use crate::problem::{Accuracy, Goal, Problem};
@@ -23,6 +24,9 @@ use tested::tests_text;
 const TRIALS: usize = 100;
 
 pub(crate) fn run(arguments: &ProblemArguments, screen: &mut Screen) -> Result<(), Failure> {
+    if is_study(arguments.path()) {
+        return study::check(arguments.path(), screen);
+    }
     let problem = arguments.problem(&[])?;
     let Problem { robot, space, .. } = &problem;
     let checks = problem.checks();
@@ -92,28 +96,4 @@ fn chosen(problem: &Problem, forecast: &Forecast) -> String {
         None => "perhaps more than there are views".into(),
     };
     format!("the fewest poses that reach {} ({count})", requested.collect::<Vec<_>>().join(", "))
-}
-
-/// A time as one would say it.
-fn duration(seconds: f64) -> String {
-    match seconds {
-        s if s < 10.0 => format!("{s:.1} s"),
-        s if s < 120.0 => format!("{s:.0} s"),
-        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
-        s if s < 172_800.0 => format!("{:.1} h", s / 3600.0),
-        s => format!("{} days", grouped((s / 86_400.0) as usize)),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn times_are_told_in_their_units() {
-        assert_eq!(
-            [0.52, 33.2, 119.0, 150.0, 8000.0, 1e6].map(duration),
-            ["0.5 s", "33 s", "119 s", "2 min", "2.2 h", "11 days"]
-        );
-    }
 }

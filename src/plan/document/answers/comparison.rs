@@ -3,11 +3,9 @@
 use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
-use serde::de::{Deserializer, Error};
-use serde::ser::{SerializeMap, Serializer};
 use serde::{Deserialize, Serialize};
 
-use crate::plan::document::header::{Document, Header, ProblemReference};
+use crate::plan::document::header::{Document, Header, ProblemReference, by_name, from_names};
 
 /// What every method chooses at several numbers of poses. Numbers that are infinite or undefined are `null`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -77,23 +75,4 @@ pub struct ComparisonEquivalent {
 impl Document for ComparisonDocument {
     const FORMAT: &'static str = "calipose.comparison";
     const VERSION: u32 = 2;
-}
-
-/// An object with the numbers under their names, in this order.
-fn by_name<S: Serializer>(numbers: &[(String, f64)], serializer: S) -> Result<S::Ok, S::Error> {
-    let mut object = serializer.serialize_map(Some(numbers.len()))?;
-    for (name, number) in numbers {
-        object.serialize_entry(name, number)?;
-    }
-    object.end()
-}
-
-/// The numbers of an object, by their names.
-fn from_names<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<(String, f64)>, D::Error> {
-    let object = serde_json::Map::deserialize(deserializer)?;
-    let number = |(name, value): (String, serde_json::Value)| match value.as_f64() {
-        Some(number) => Ok((name, number)),
-        None => Err(D::Error::custom(format!("the sigma of {name} is no number"))),
-    };
-    object.into_iter().map(number).collect()
 }

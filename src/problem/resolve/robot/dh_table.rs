@@ -36,7 +36,7 @@ impl Check<'_, '_> {
             self.refused(&[&set], "joints that give one range each", "leave it out");
         }
         let X_nF = key!(robot, flange).given().map_or_else(Pose::identity, |flange| self.pose(&flange));
-        let X_FC = self.mount(&key!(file, camera.mount));
+        let X_FC = self.mount(&key!(file, camera));
         let convention = robot.value.convention.map_or(Convention::Standard, |named| named.0);
         let chain = dh::chain(&rows, convention, X_nF);
         let mut tree = dh::tree(&rows, convention, X_nF);

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
-use super::check::Check;
+use super::check::{ANGLE, Check};
 use crate::problem::schema::{self, MountName, Named, TextOrTable};
 use crate::problem::text::{At, key};
 use crate::robot::{Robot, Tree};
@@ -35,27 +35,34 @@ impl Check<'_, '_> {
     }
 
     /// Pose of the camera on the flange, `X_FC`.
-    fn mount(&mut self, mount: &At<TextOrTable<Named<MountName>, schema::Pose>>) -> Pose {
-        let name = match mount.value {
-            TextOrTable::Text(Named(name)) => name,
-            TextOrTable::Table(pose) => return self.pose(&mount.with(pose)),
+    fn mount(&mut self, camera: &At<schema::Camera>) -> Pose {
+        let mount = key!(camera, mount);
+        let X_FM = match mount.value {
+            TextOrTable::Text(Named(name)) => named_mount(*name),
+            TextOrTable::Table(pose) => self.pose(&mount.with(pose)),
         };
-        // Columns are x_C, y_C, z_C in F.
-        let R_FC = match name {
-            MountName::OpticalAxisZ | MountName::RosOptical => Matrix3::identity(),
-            MountName::OpticalAxisX => Matrix3::new(
-                0.0, 0.0, 1.0, //
-                0.0, -1.0, 0.0, //
-                1.0, 0.0, 0.0,
-            ),
-            MountName::RosBody => Matrix3::new(
-                0.0, 0.0, 1.0, //
-                -1.0, 0.0, 0.0, //
-                0.0, -1.0, 0.0,
-            ),
-            MountName::OpenGl => Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, -1.0)),
-        };
-        let R_FC = Rotation3::from_matrix_unchecked(R_FC);
-        Pose::from_parts([0.0; 3].into(), UnitQuaternion::from_rotation_matrix(&R_FC))
+        let roll = self.angle(&key!(camera, roll_deg), ANGLE);
+        if roll == 0.0 { X_FM } else { X_FM * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), roll) }
     }
+}
+
+/// The mount of that name: pose of the camera on the flange.
+fn named_mount(name: MountName) -> Pose {
+    // Columns are x_C, y_C, z_C in F.
+    let R_FC = match name {
+        MountName::OpticalAxisZ | MountName::RosOptical => Matrix3::identity(),
+        MountName::OpticalAxisX => Matrix3::new(
+            0.0, 0.0, 1.0, //
+            0.0, -1.0, 0.0, //
+            1.0, 0.0, 0.0,
+        ),
+        MountName::RosBody => Matrix3::new(
+            0.0, 0.0, 1.0, //
+            -1.0, 0.0, 0.0, //
+            0.0, -1.0, 0.0,
+        ),
+        MountName::OpenGl => Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, -1.0)),
+    };
+    let R_FC = Rotation3::from_matrix_unchecked(R_FC);
+    Pose::from_parts([0.0; 3].into(), UnitQuaternion::from_rotation_matrix(&R_FC))
 }

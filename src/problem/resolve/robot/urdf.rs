@@ -19,7 +19,7 @@ impl Check<'_, '_> {
             &[&key!(robot, convention), &key!(robot, limits), &key!(robot, flange), &key!(robot, joints)],
             &urdf.path.to_string(),
         );
-        let X_FC = self.mount(&key!(file, camera.mount));
+        let X_FC = self.mount(&key!(file, camera));
         let Description { mut mechanism, ranges, stuck, .. } = self.description(robot, urdf, folder)?;
         let given = self.described_limits(robot, &mut mechanism, &ranges);
         let held = self.held(robot, &mechanism, &ranges, &given);

@@ -5,5 +5,5 @@ mod named;
 mod pose;
 
 pub(crate) use flexible::{NumberOrList, Numbers, Range, RangeOrSets, TextOrTable};
-pub(crate) use named::{MountName, Named};
+pub(crate) use named::{Choice, MountName, Named};
 pub(crate) use pose::Pose;

@@ -1,0 +1,231 @@
+//! Studies: every cell a problem with another setting of the factors, every row a choice of poses.
+
+mod cell;
+mod forecast;
+mod read;
+mod run;
+mod statistics;
+mod store;
+mod summary;
+mod table;
+
+pub use forecast::Forecast;
+pub use run::{RunError, run};
+pub use store::{Store, StoreError};
+pub use summary::Results;
+pub use table::StudyTable;
+
+use std::path::{Path, PathBuf};
+
+use thiserror::Error;
+
+use super::factor::{Factor, Level, Source, coordinate};
+use super::file::{Sequence, Simulate};
+use crate::information::Criterion;
+use crate::problem::{Method, OverrideError, Overrides, Problem, ProblemError};
+use crate::verification::Disturbance;
+
+/// A checked study.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Study {
+    /// Its name.
+    pub name: String,
+    /// SHA-256 of the study file's bytes, in lower-case hexadecimal.
+    pub sha256: String,
+    /// What is varied.
+    pub factors: Vec<Factor>,
+    /// Columns of the table that are summarised.
+    pub outcomes: Vec<String>,
+    /// Folder for the results, relative to the working directory.
+    pub output: PathBuf,
+    bases: Vec<Base>,
+    /// `KEY=VALUE` in all cells.
+    set: Vec<String>,
+    layout: Layout,
+    choices: Choices,
+    simulate: Simulate,
+}
+
+/// A base problem.
+#[derive(Debug, Clone, PartialEq)]
+struct Base {
+    path: PathBuf,
+    text: String,
+    name: String,
+}
+
+/// How the factors are combined.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Layout {
+    Full,
+    Paired,
+    Sampled { draws: u32, sequence: Sequence, seed: u32 },
+}
+
+/// What is chosen in each cell; what is empty is as the cell's problem says.
+#[derive(Debug, Clone, PartialEq)]
+struct Choices {
+    methods: Vec<Method>,
+    criteria: Vec<Criterion>,
+    counts: Vec<usize>,
+    seeds: u64,
+}
+
+/// A cell: a problem with a setting of the factors.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cell {
+    /// Its number.
+    pub index: usize,
+    /// Number of its base problem.
+    pub problem: usize,
+    /// The levels, one for each factor.
+    pub levels: Vec<Level>,
+}
+
+/// Why a cell has no problem.
+#[derive(Debug, Error)]
+pub enum CellFault {
+    /// A value is not written as one.
+    #[error(transparent)]
+    Set(#[from] OverrideError),
+    /// The problem refuses the setting.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+    /// A key of the simulation refuses its value.
+    #[error("{0}")]
+    Simulation(String),
+}
+
+/// Calibrations to simulate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Simulation {
+    /// How many.
+    pub trials: usize,
+    /// What the prediction leaves out.
+    pub disturbance: Disturbance,
+}
+
+/// Some of the cells: those whose number leaves `part` when divided by `of`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shard {
+    /// From 0.
+    pub part: usize,
+    /// At least 1.
+    pub of: usize,
+}
+
+impl Shard {
+    /// Every cell.
+    pub const ALL: Self = Self { part: 0, of: 1 };
+
+    /// Its cells among so many.
+    pub fn cells(self, all: usize) -> impl Iterator<Item = usize> {
+        (self.part..all).step_by(self.of)
+    }
+}
+
+/// What the keys of the simulation begin with where they are factors.
+const SIMULATE: &str = "simulate.";
+
+impl Study {
+    /// The study that the file at `path` states.
+    ///
+    /// # Errors
+    /// When the file, or a base problem, cannot be read or says something impossible.
+    pub fn read(path: &Path) -> Result<Self, ProblemError> {
+        read::read(path)
+    }
+
+    /// The JSON Schema of study files, for editors.
+    pub fn schema_json() -> serde_json::Value {
+        read::schema_json()
+    }
+
+    /// Number of cells.
+    pub fn cells(&self) -> usize {
+        self.bases.len() * self.settings()
+    }
+
+    /// Names of the base problems.
+    pub fn problems(&self) -> Vec<&str> {
+        self.bases.iter().map(|base| base.name.as_str()).collect()
+    }
+
+    /// Settings of the factors.
+    fn settings(&self) -> usize {
+        match self.layout {
+            Layout::Full => self.factors.iter().filter_map(Factor::levels).map(<[Level]>::len).product(),
+            Layout::Paired => self.factors.first().and_then(Factor::levels).map_or(1, <[Level]>::len),
+            Layout::Sampled { draws, .. } => draws as usize,
+        }
+    }
+
+    /// Cell number `index`, below [`Study::cells`]. Of a full design the last factor varies first, the problem last.
+    pub fn cell(&self, index: usize) -> Cell {
+        let settings = self.settings();
+        let (problem, setting) = (index / settings, index % settings);
+        let mut rest = setting;
+        let mut levels: Vec<Level> = Vec::with_capacity(self.factors.len());
+        for (dimension, factor) in self.factors.iter().enumerate().rev() {
+            levels.push(match (self.layout, &factor.source) {
+                (Layout::Full, Source::Levels(list)) => {
+                    let level = list[rest % list.len()].clone();
+                    rest /= list.len();
+                    level
+                }
+                (Layout::Paired, Source::Levels(list)) => list[setting].clone(),
+                (Layout::Sampled { sequence, seed, .. }, _) => {
+                    factor.level_at(coordinate(sequence, seed, setting as u32, dimension as u32))
+                }
+                // Refused when the file is read.
+                (Layout::Full | Layout::Paired, Source::Drawn { .. }) => factor.level_at(0.5),
+            });
+        }
+        levels.reverse();
+        Cell { index, problem, levels }
+    }
+
+    /// The problem of a cell.
+    ///
+    /// # Errors
+    /// When its base refuses the setting.
+    pub fn problem(&self, cell: &Cell) -> Result<Problem, CellFault> {
+        let settings = cell.levels.iter().flat_map(|level| &level.set);
+        self.with(&self.bases[cell.problem], settings)
+    }
+
+    /// A base problem with `settings`.
+    fn with<'s>(&'s self, base: &Base, settings: impl Iterator<Item = &'s String>) -> Result<Problem, CellFault> {
+        let of_problem = self.set.iter().chain(settings).filter(|text| !is_of_simulation(text));
+        let overrides = of_problem.cloned().try_fold(Overrides::new(), |overrides, text| overrides.set(&text))?;
+        Ok(Problem::parse_with(&base.text, &base.path, &overrides)?)
+    }
+
+    /// What is simulated in a cell.
+    ///
+    /// # Errors
+    /// When a key of the simulation refuses its value.
+    pub fn simulation(&self, cell: &Cell) -> Result<Simulation, CellFault> {
+        let mut simulate = self.simulate.clone();
+        for text in cell.levels.iter().flat_map(|level| &level.set).filter(|text| is_of_simulation(text)) {
+            read::set_simulation(&mut simulate, text).map_err(CellFault::Simulation)?;
+        }
+        Ok(Simulation {
+            trials: simulate.trials as usize,
+            disturbance: Disturbance {
+                intrinsics: simulate.intrinsics_off_percent / 100.0,
+                joints: simulate.joint_noise_deg.to_radians(),
+                mount_rotation: simulate.mount_rotation_deg.to_radians(),
+                mount_translation: simulate.mount_translation_mm / 1e3,
+                noise_with_tilt: simulate.noise_with_tilt,
+                noise_with_distance: simulate.noise_with_distance,
+                missing: simulate.missing_percent / 100.0,
+            },
+        })
+    }
+}
+
+/// Whether `KEY=VALUE` is of a key of the simulation.
+fn is_of_simulation(text: &str) -> bool {
+    text.trim_start().starts_with(SIMULATE)
+}

@@ -1,0 +1,367 @@
+//! From a study file to a checked study.
+
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
+
+use rayon::prelude::*;
+use serde_json::Value;
+
+use super::{Base, CellFault, Choices, Layout, SIMULATE, Study, is_of_simulation};
+use crate::experiment::factor::{Factor, MOST_FACTORS, factor, level_path};
+use crate::experiment::file::{self, DesignKind, Simulate, StudyFile};
+use crate::problem::{
+    Allowed, At, Check, Fault, KeyPath, Named, Overrides, Problem, ProblemError, Reason, Source, SourceFile,
+    Vocabulary, key, read as read_toml, read_text, slug, toml_schema,
+};
+
+/// Cells of a study; each takes milliseconds at least.
+const MOST_CELLS: usize = 1_000_000;
+
+/// Levels of a factor that are tried on the problems when the file is read.
+const TRIED: usize = 200;
+
+/// The JSON Schema of study files.
+pub(super) fn schema_json() -> Value {
+    toml_schema::<StudyFile>()
+}
+
+/// The study that the file at `path` states.
+pub(super) fn read(path: &Path) -> Result<Study, ProblemError> {
+    static SCHEMA: LazyLock<Value> = LazyLock::new(schema_json);
+    let text = read_text(path)?;
+    let source = Source::new(&text, &Overrides::new());
+    let refused = |faults: Vec<Fault>| ProblemError::Invalid {
+        file: SourceFile { name: path.to_string_lossy().into_owned(), text: text.clone() },
+        faults,
+    };
+    let (document, file) = read_toml::<StudyFile>(&source, Vocabulary::new(&SCHEMA)).map_err(|f| refused(vec![*f]))?;
+    let mut check = Check { document: &document, faults: Vec::new(), notes: Vec::new() };
+    let file = &At::root(&file);
+    let bases = bases(&mut check, file, path.parent().unwrap_or(Path::new("")))?;
+    let study = study(&mut check, file, path, bases);
+    match study {
+        Some(study) if check.faults.is_empty() => Ok(Study { sha256: document.sha256(), ..study }),
+        _ => Err(refused(check.faults)),
+    }
+}
+
+/// The base problems as they are without the study; what is wrong with one of them is told as of itself.
+fn bases(check: &mut Check, file: &At<StudyFile>, folder: &Path) -> Result<Vec<Base>, ProblemError> {
+    let problems = key!(file, problems);
+    if problems.value.is_empty() {
+        check.fault(&problems.path, Reason::Empty);
+    }
+    let mut bases: Vec<Base> = Vec::new();
+    for problem in problems.elements() {
+        let path = folder.join(problem.value);
+        match read_text(&path) {
+            Ok(text) => {
+                let Problem { name, .. } = Problem::parse(&text, &path)?;
+                if bases.iter().any(|base| base.name == name) {
+                    check.fault(&problem.path, Reason::Duplicate { name: name.clone() });
+                }
+                bases.push(Base { path, text, name });
+            }
+            Err(error) => {
+                let sentence = match error {
+                    ProblemError::Read { source, .. } => source.to_string(),
+                    other => other.to_string(),
+                };
+                let hint = Some("paths are relative to the study file's folder".to_owned());
+                check.fault(&problem.path, Reason::InProblem { problem: path, sentence, hint });
+            }
+        }
+    }
+    Ok(bases)
+}
+
+fn study(check: &mut Check, file: &At<StudyFile>, path: &Path, bases: Vec<Base>) -> Option<Study> {
+    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    let name = file.value.name.as_deref().unwrap_or(&stem).trim().to_owned();
+    if name.is_empty() {
+        check.fault(&key!(file, name).path, Reason::Empty);
+    }
+    let output = match key!(file, output.folder).given() {
+        Some(folder) => {
+            if folder.value.trim().is_empty() {
+                check.fault(&folder.path, Reason::Empty);
+            }
+            PathBuf::from(folder.value)
+        }
+        None => PathBuf::from("studies").join(slug(&name)),
+    };
+    let sampled = file.value.design.kind.0 == DesignKind::Sampled;
+    let stated = key!(file, factors);
+    let found: Vec<Option<Factor>> = stated.elements().map(|stated| factor(check, &stated, sampled)).collect();
+    let layout = layout(check, &key!(file, design));
+    let choices = choices(check, &key!(file, choose));
+    let simulate = file.value.simulate.clone();
+    check_simulation(check, &key!(file, simulate));
+    // Without all factors nothing more can be said.
+    let factors: Vec<Factor> = found.into_iter().collect::<Option<_>>()?;
+    names(check, &stated, &factors);
+    if layout? == Layout::Paired {
+        paired(check, &stated, &factors);
+    }
+    let set = file.value.set.clone();
+    let study = Study {
+        name,
+        sha256: String::new(),
+        factors,
+        outcomes: Vec::new(),
+        output,
+        bases,
+        set,
+        layout: layout?,
+        choices,
+        simulate,
+    };
+    size(check, &stated, &study);
+    if !check.faults.is_empty() {
+        return None;
+    }
+    let problems = tried(check, file, &study);
+    let outcomes = outcomes(check, &key!(file, outcomes), &problems, &study);
+    Some(Study { outcomes, ..study })
+}
+
+fn layout(check: &mut Check, design: &At<file::Design>) -> Option<Layout> {
+    let draws = key!(design, draws);
+    let kind = design.value.kind.0;
+    if kind != DesignKind::Sampled {
+        check.refused(&[&draws], "a design that is not sampled", "give `kind = \"sampled\"`");
+        return Some(if kind == DesignKind::Full { Layout::Full } else { Layout::Paired });
+    }
+    let draws = check.required(draws, &[])?;
+    check.count(&draws, Allowed::between(1.0, MOST_CELLS as f64));
+    Some(Layout::Sampled { draws: *draws.value, sequence: design.value.sequence.0, seed: design.value.seed })
+}
+
+fn choices(check: &mut Check, choose: &At<file::Choose>) -> Choices {
+    let seeds = key!(choose, seeds).given();
+    let counts = key!(choose, counts);
+    let mut poses = Vec::with_capacity(counts.value.len());
+    for count in counts.elements() {
+        poses.push(check.count(&count, Allowed::between(1.0, 1e6)));
+    }
+    once(check, &counts, ToString::to_string);
+    once(check, &key!(choose, methods), |Named(method)| method.name().to_owned());
+    once(check, &key!(choose, criteria), |Named(criterion)| criterion.name().to_owned());
+    let names = choose.value;
+    Choices {
+        methods: names.methods.iter().map(|method| method.0).collect(),
+        criteria: names.criteria.iter().map(|criterion| criterion.0).collect(),
+        counts: poses,
+        seeds: seeds.map_or(1, |seeds| check.count(&seeds, Allowed::between(1.0, 1000.0)) as u64),
+    }
+}
+
+/// Refuses what a list has twice.
+fn once<T>(check: &mut Check, list: &At<Vec<T>>, name: impl Fn(&T) -> String) {
+    let names: Vec<String> = list.value.iter().map(name).collect();
+    for (i, element) in list.elements().enumerate() {
+        if names[..i].contains(&names[i]) {
+            check.fault(&element.path, Reason::Duplicate { name: names[i].clone() });
+        }
+    }
+}
+
+/// Columns of the table that are of the study itself.
+pub(super) const OWN_COLUMNS: [&str; 5] = ["problem", "criterion", "count", "method", "seed"];
+
+fn names(check: &mut Check, stated: &At<Vec<file::Factor>>, factors: &[Factor]) {
+    if factors.len() > MOST_FACTORS {
+        let expected = format!("at most {MOST_FACTORS} factors");
+        check.fault(&stated.path, Reason::Type { found: format!("a list of {}", factors.len()), expected });
+    }
+    for (i, (stated, factor)) in stated.elements().zip(factors).enumerate() {
+        let taken = factors[..i].iter().any(|other| other.name == factor.name);
+        if taken || OWN_COLUMNS.contains(&factor.name.as_str()) {
+            check.fault(&key!(stated, name).path, Reason::Duplicate { name: factor.name.clone() });
+        }
+    }
+}
+
+fn paired(check: &mut Check, stated: &At<Vec<file::Factor>>, factors: &[Factor]) {
+    let levels = |factor: &Factor| factor.levels().map_or(0, <[_]>::len);
+    let Some(expected) = factors.first().map(levels) else { return };
+    for (stated, factor) in stated.elements().zip(factors) {
+        if levels(factor) != expected {
+            let found = levels(factor);
+            check.fault(&stated.path, Reason::Length { found, expected, per: "level of the first factor" });
+        }
+    }
+}
+
+fn size(check: &mut Check, stated: &At<Vec<file::Factor>>, study: &Study) {
+    // In floating point, where nothing overflows.
+    let cells = match study.layout {
+        Layout::Full => study.factors.iter().filter_map(Factor::levels).map(|levels| levels.len() as f64).product(),
+        Layout::Paired | Layout::Sampled { .. } => study.settings() as f64,
+    } * study.bases.len() as f64;
+    if cells > MOST_CELLS as f64 {
+        check.fault(&stated.path, Reason::TooManyCells { cells, most: MOST_CELLS });
+    }
+}
+
+/// Tries every level by itself on every base, and gives the bases with what the study sets in all cells.
+fn tried(check: &mut Check, file: &At<StudyFile>, study: &Study) -> Vec<Problem> {
+    let mut problems = Vec::new();
+    for base in &study.bases {
+        match study.with(base, std::iter::empty()) {
+            Ok(problem) => problems.push(problem),
+            Err(fault) => {
+                let index = given_at(&study.set, &fault);
+                check.fault(&key!(file, set).path.at(index), refusal(base, &fault));
+            }
+        }
+    }
+    if !check.faults.is_empty() {
+        return problems;
+    }
+    for (stated, factor) in key!(file, factors).elements().zip(&study.factors) {
+        let levels = factor.samples();
+        let stride = levels.len().div_ceil(TRIED).max(1);
+        let some: Vec<usize> = (0..levels.len()).step_by(stride).collect();
+        let tried: Vec<Vec<Option<Reason>>> = some
+            .par_iter()
+            .map(|&i| study.bases.iter().map(|base| refused(study, base, &levels[i].set)).collect())
+            .collect();
+        for (&i, refusals) in some.iter().zip(tried) {
+            for refusal in refusals.into_iter().flatten() {
+                let path = place_of(&stated, &refusal, i);
+                // A key that no problem has is told once.
+                if !check.faults.iter().any(|fault| fault.reason == refusal && fault.key == path.to_string()) {
+                    check.fault(&path, refusal);
+                }
+            }
+        }
+    }
+    problems
+}
+
+/// Why a base refuses a level.
+fn refused(study: &Study, base: &Base, set: &[String]) -> Option<Reason> {
+    let simulated = set.iter().filter(|text| is_of_simulation(text));
+    let mut simulate = study.simulate.clone();
+    for text in simulated {
+        if let Err(sentence) = set_simulation(&mut simulate, text) {
+            return Some(refusal(base, &CellFault::Simulation(sentence)));
+        }
+    }
+    study.with(base, set.iter()).err().map(|fault| refusal(base, &fault))
+}
+
+fn refusal(base: &Base, fault: &CellFault) -> Reason {
+    let problem = base.path.clone();
+    let first = match fault {
+        CellFault::Problem(error) => error.faults().first(),
+        CellFault::Set(_) | CellFault::Simulation(_) => None,
+    };
+    match first {
+        Some(first) => Reason::InProblem { problem, sentence: first.to_string(), hint: first.hint() },
+        None => Reason::InProblem { problem, sentence: fault.to_string(), hint: None },
+    }
+}
+
+/// Which of the texts the fault is about.
+fn given_at(set: &[String], fault: &CellFault) -> usize {
+    let CellFault::Problem(error) = fault else { return 0 };
+    let line = error.faults().first().and_then(|fault| fault.given.as_deref()).unwrap_or_default();
+    let plain = |text: &str| text.replace([' ', '"'], "");
+    set.iter().position(|text| plain(text) == plain(line)).unwrap_or(0)
+}
+
+/// Where a factor's level is told to be refused: a key that does not exist, at the key.
+fn place_of(stated: &At<file::Factor>, refusal: &Reason, level: usize) -> KeyPath {
+    let is_of_key = matches!(refusal, Reason::InProblem { sentence, .. }
+        if sentence.starts_with("there is no key") || sentence.contains("is not a path of keys"));
+    if is_of_key && stated.value.key.is_some() { key!(stated, key).path } else { level_path(stated, level) }
+}
+
+fn check_simulation(check: &mut Check, simulate: &At<Simulate>) {
+    check.count(&key!(simulate, trials), TRIALS);
+    for share in [key!(simulate, intrinsics_off_percent), key!(simulate, missing_percent)] {
+        check.number(&share, PERCENT);
+    }
+    for number in [
+        key!(simulate, joint_noise_deg),
+        key!(simulate, mount_rotation_deg),
+        key!(simulate, mount_translation_mm),
+        key!(simulate, noise_with_tilt),
+        key!(simulate, noise_with_distance),
+    ] {
+        check.number(&number, SIMULATED);
+    }
+    if simulate.value.trials == 1 {
+        let (found, expected) = ("1".to_owned(), "0 or at least 2: one trial has no scatter".to_owned());
+        check.fault(&key!(simulate, trials).path, Reason::Type { found, expected });
+    }
+}
+
+/// Numbers of simulated calibrations.
+const TRIALS: Allowed = Allowed::between(0.0, 1e6);
+/// Shares in percent.
+const PERCENT: Allowed = Allowed::between(0.0, 99.0);
+/// Errors and growths.
+const SIMULATED: Allowed = Allowed::between(0.0, 1000.0);
+
+/// Sets a key of the simulation as `simulate.KEY=NUMBER` says.
+///
+/// # Errors
+/// What is wrong with it.
+pub(super) fn set_simulation(simulate: &mut Simulate, text: &str) -> Result<(), String> {
+    let (key, value) = text.trim_start().trim_start_matches(SIMULATE).split_once('=').unwrap_or((text, ""));
+    let (key, value) = (key.trim(), value.trim());
+    let number: f64 = value.parse().map_err(|_| format!("`{SIMULATE}{key}` is {value}, which is no number"))?;
+    let (field, allowed) = match key {
+        "trials" => {
+            if !TRIALS.contains(number) || number.fract() != 0.0 || number == 1.0 {
+                return Err(format!("`{SIMULATE}{key}` is {value}; it must be 0 or a whole number from 2 to 1000000"));
+            }
+            simulate.trials = number as u32;
+            return Ok(());
+        }
+        "intrinsics_off_percent" => (&mut simulate.intrinsics_off_percent, PERCENT),
+        "joint_noise_deg" => (&mut simulate.joint_noise_deg, SIMULATED),
+        "mount_rotation_deg" => (&mut simulate.mount_rotation_deg, SIMULATED),
+        "mount_translation_mm" => (&mut simulate.mount_translation_mm, SIMULATED),
+        "noise_with_tilt" => (&mut simulate.noise_with_tilt, SIMULATED),
+        "noise_with_distance" => (&mut simulate.noise_with_distance, SIMULATED),
+        "missing_percent" => (&mut simulate.missing_percent, PERCENT),
+        _ => return Err(format!("there is no key `{SIMULATE}{key}`")),
+    };
+    if !allowed.contains(number) {
+        return Err(format!("`{SIMULATE}{key}` is {value}; it must be {allowed}"));
+    }
+    *field = number;
+    Ok(())
+}
+
+/// The columns to summarise.
+fn outcomes(check: &mut Check, stated: &At<Vec<String>>, problems: &[Problem], study: &Study) -> Vec<String> {
+    const NUMBERS: [&str; 8] =
+        ["map_error_px", "simulated_map_error_px", "value", "bound", "efficiency", "poses", "views", "candidates"];
+    if stated.value.is_empty() {
+        let simulated =
+            study.simulate.trials > 0 || study.factors.iter().any(|factor| factor.name.starts_with(SIMULATE));
+        return if simulated { NUMBERS[..2].to_vec() } else { NUMBERS[..1].to_vec() }
+            .into_iter()
+            .map(Into::into)
+            .collect();
+    }
+    let mut allowed: Vec<String> = NUMBERS.map(String::from).into();
+    for name in problems.iter().flat_map(|problem| problem.unknowns().names()) {
+        let column = format!("sigma_{name}");
+        if !allowed.contains(&column) {
+            allowed.push(column);
+        }
+    }
+    once(check, stated, Clone::clone);
+    for outcome in stated.elements() {
+        if !allowed.contains(outcome.value) {
+            check.fault(&outcome.path, Reason::UnknownName { name: outcome.value.clone(), allowed: allowed.clone() });
+        }
+    }
+    stated.value.clone()
+}
