@@ -20,8 +20,8 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
 use arguments::ProblemArguments;
 use command::{
-    board, calibrate, certify, check, compare, completions, explain, figures, init, next, plan, polish, reach, report,
-    study, sweep, verify,
+    board, calibrate, certify, check, compare, completions, design, explain, figures, init, next, plan, polish, reach,
+    report, study, sweep, verify,
 };
 use output::Screen;
 use output::failure::Failure;
@@ -100,6 +100,8 @@ enum Command {
     /// Run experiments that are stated in a file
     #[command(subcommand)]
     Study(study::StudyCommand),
+    /// Find the best set-up: the board's place and size, the camera's turn, or whatever else is free
+    Design(design::DesignArguments),
     /// Draw the calibration target at true scale, as PDF and SVG
     Board(board::BoardArguments),
     /// Validate a problem file and say what a run would do
@@ -205,6 +207,7 @@ fn run(command: &Command, screen: &mut Screen) -> Result<Verdict, Failure> {
         Command::Next(arguments) => next::run(arguments, screen),
         Command::Reach(arguments) => reach::run(arguments, screen).map(good),
         Command::Study(command) => study::run(command, screen).map(good),
+        Command::Design(arguments) => design::run(arguments, screen).map(good),
         Command::Board(arguments) => board::run(arguments, screen).map(good),
         Command::Check(arguments) => check::run(arguments, screen).map(good),
         Command::Init { file, urdf } => init::run(file.as_deref(), urdf.as_deref(), screen).map(good),

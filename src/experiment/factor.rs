@@ -2,6 +2,7 @@
 
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::prelude::*;
 use serde_json::Value;
 use statrs::distribution::{ContinuousCDF, Normal};
 
@@ -63,6 +64,17 @@ impl Level {
 }
 
 impl Factor {
+    /// The key that it sets, if it sets one alone.
+    pub(super) fn key(&self) -> Option<&str> {
+        match &self.source {
+            Source::Levels(levels) => match &levels[0].set[..] {
+                [only] => only.split('=').next(),
+                _ => None,
+            },
+            Source::Drawn { key, .. } => Some(key),
+        }
+    }
+
     /// How many levels are listed; none of a distribution.
     pub fn levels(&self) -> Option<&[Level]> {
         match &self.source {
@@ -280,18 +292,47 @@ fn spaced(check: &mut Check, key: &str, range: &At<file::Range>) -> Option<Vec<L
     Some((0..=steps as usize).map(|i| Level::of_number(key, value(i))).collect())
 }
 
-/// Where in the file the level stands that is the `index`th of the factor.
-pub(super) fn level_path(stated: &At<file::Factor>, index: usize) -> KeyPath {
-    let value = stated.value;
-    if value.values.is_some() {
-        key!(stated, values).path.at(index)
-    } else if value.levels.is_empty() {
-        let sources: [&dyn Optional; 4] =
-            [&key!(stated, range), &key!(stated, uniform), &key!(stated, log_uniform), &key!(stated, normal)];
-        sources.into_iter().find(|source| source.is_given()).map_or(stated.path.clone(), |source| source.path().clone())
-    } else {
-        key!(stated, levels).path.at(index)
+/// Levels of a factor that are tried when the file is read.
+const TRIED: usize = 200;
+
+/// Tries every level by itself, as far as that can be done at once, and refuses those that `refused` has reasons against.
+pub(super) fn try_levels(
+    check: &mut Check,
+    stated: &At<Vec<file::Factor>>,
+    factors: &[Factor],
+    refused: &(dyn Fn(&[String]) -> Vec<Reason> + Sync),
+) {
+    for (stated, factor) in stated.elements().zip(factors) {
+        let levels = factor.samples();
+        let some: Vec<usize> = (0..levels.len()).step_by(levels.len().div_ceil(TRIED).max(1)).collect();
+        let reasons: Vec<Vec<Reason>> = some.par_iter().map(|&i| refused(&levels[i].set)).collect();
+        for (&i, reason) in some.iter().zip(reasons).flat_map(|(i, reasons)| reasons.into_iter().map(move |r| (i, r))) {
+            let path = place_of(&stated, &reason, i);
+            // What is wrong with the key, or with all that may be drawn, is told once.
+            if !check.faults.iter().any(|fault| fault.reason == reason && fault.key == path.to_string()) {
+                check.fault(&path, reason);
+            }
+        }
     }
+}
+
+/// Where a factor's level is refused: a key that does not exist, at the key; else where the level stands.
+fn place_of(stated: &At<file::Factor>, refusal: &Reason, level: usize) -> KeyPath {
+    let value = stated.value;
+    let is_of_key = matches!(refusal, Reason::InProblem { sentence, .. }
+        if sentence.starts_with("there is no key") || sentence.contains("is not a path of keys"));
+    if is_of_key && value.key.is_some() {
+        return key!(stated, key).path;
+    }
+    if value.values.is_some() {
+        return key!(stated, values).path.at(level);
+    }
+    if !value.levels.is_empty() {
+        return key!(stated, levels).path.at(level);
+    }
+    let sources: [&dyn Optional; 4] =
+        [&key!(stated, range), &key!(stated, uniform), &key!(stated, log_uniform), &key!(stated, normal)];
+    sources.into_iter().find(|source| source.is_given()).map_or(stated.path.clone(), |source| source.path().clone())
 }
 
 /// The interval from one number to another, as a level.

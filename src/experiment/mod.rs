@@ -5,12 +5,14 @@
 //! as a table and its summary. Each cell stands alone, named by all that it follows from; so a run that was ended goes on where it
 //! was, several machines can work on one study, and what was made from other files or by another version is never taken for it.
 
+mod base;
+mod codesign;
 mod factor;
 mod file;
 mod stages;
 mod study;
 
+pub use base::SettingFault;
+pub use codesign::{Codesign, CodesignError, Designed};
 pub use factor::{Factor, Level};
-pub use study::{
-    Cell, CellFault, Forecast, Results, RunError, Shard, Simulation, Store, StoreError, Study, StudyTable, run,
-};
+pub use study::{Cell, Forecast, Results, RunError, Shard, Simulation, Store, StoreError, Study, StudyTable, run};

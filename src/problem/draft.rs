@@ -300,9 +300,9 @@ fn absolute(path: &Path) -> PathBuf {
     plain
 }
 
-/// `path` as it is named from `folder`, which is absolute.
-fn relative(folder: &Path, path: &Path) -> String {
-    let path = absolute(path);
+/// `path` as it is named from `folder`.
+pub(crate) fn relative(folder: &Path, path: &Path) -> String {
+    let (folder, path) = (&absolute(folder), absolute(path));
     let common = folder.components().zip(path.components()).take_while(|(a, b)| a == b).count();
     let up = folder.components().skip(common).map(|_| Component::ParentDir);
     let way: PathBuf = up.chain(path.components().skip(common)).collect();

@@ -19,6 +19,7 @@ mod text;
 
 pub use builder::ProblemBuilder;
 pub use constraints::{JointRegion, PoseConstraints, PoseGroup};
+pub(crate) use draft::relative;
 pub use draft::{DraftError, draft};
 pub use error::{ProblemError, SourceFile};
 pub use fault::{Allowed, Fault, Reason};
@@ -39,7 +40,7 @@ use crate::sweep::{AxisRule, JointSpace};
 use crate::target::Target;
 pub(crate) use resolve::{Check, slug};
 pub(crate) use schema::{Choice, Named, Numbers, Vocabulary, toml_schema};
-pub(crate) use text::{At, KeyPath, Optional, Source, key, read};
+pub(crate) use text::{At, KeyPath, Optional, Source, excluded_by, key, read};
 
 /// A commented problem file to start from.
 pub const STARTER: &str = include_str!("starter.toml");

@@ -146,6 +146,14 @@ fn plots(content: &Content, style: &Style) -> Vec<Plot> {
             let map = Heatmap::new().with_data(numbers()).with_cell_size(1.0).with_color_map(colours);
             vec![Plot::Heatmap(map.with_x_range(0.0, *width).with_y_range(-height, 0.0).with_legend(*unit))]
         }
+        Content::Field { rows, x, y, unit } => {
+            let numbers = || rows.iter().rev().map(|row| row.iter().map(|number| number.unwrap_or(f64::NAN)));
+            let there = || rows.iter().flatten().filter_map(|number| *number);
+            let ends = (there().fold(f64::INFINITY, f64::min), there().fold(f64::NEG_INFINITY, f64::max));
+            let colours = on_fixed_scale(numbers().flatten(), ends, ColorMap::Viridis);
+            let field = Heatmap::new().with_data(numbers()).with_cell_size(1.0).with_color_map(colours);
+            vec![Plot::Heatmap(field.with_x_range(x[0], x[1]).with_y_range(y[0], y[1]).with_legend(*unit))]
+        }
         Content::Matrix { names, rows } => {
             let numbers = || rows.iter().rev().map(|row| row.iter().copied());
             let colours = on_fixed_scale(numbers().flatten(), (-1.0, 1.0), ColorMap::RedBlue);
@@ -216,7 +224,7 @@ fn from_top() -> TickFormat {
 /// The axes that the content asks for.
 fn fitted(content: &Content, layout: Layout) -> Layout {
     match content {
-        Content::Series(_) | Content::Flow(_) | Content::Intervals { .. } => layout,
+        Content::Series(_) | Content::Flow(_) | Content::Field { .. } | Content::Intervals { .. } => layout,
         Content::LogSeries(_) => layout.with_log_y(),
         Content::Drawing(_) => layout.with_equal_aspect(),
         Content::Rows { names, .. } => layout

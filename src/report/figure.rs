@@ -46,6 +46,17 @@ pub enum Content {
         /// Unit of the numbers.
         unit: &'static str,
     },
+    /// Numbers over a plane: rows from the lowest to the highest, coloured from the least to the greatest.
+    Field {
+        /// The numbers; none where there is nothing.
+        rows: Vec<Vec<Option<f64>>>,
+        /// Ends of the horizontal axis.
+        x: [f64; 2],
+        /// Ends of the vertical axis.
+        y: [f64; 2],
+        /// Unit of the numbers.
+        unit: &'static str,
+    },
     /// A symmetric matrix of numbers from −1 to 1.
     Matrix {
         /// Names of rows and columns.

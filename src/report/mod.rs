@@ -10,9 +10,9 @@ mod plots;
 
 pub use drawing::{DrawingError, Style, png, svg};
 pub use figure::{Content, Figure, Hue, Interval, Line, Mark, Series};
-pub use outcome::{outcome, strongest};
-pub use page::{PAGE_MARK, calibration_page, comparison_page, plan_page, study_page, verification_page};
-pub use plots::{plan_drawings, plan_figures, study_figures};
+pub use outcome::{family, gain, outcome, strongest};
+pub use page::{PAGE_MARK, calibration_page, comparison_page, design_page, plan_page, study_page, verification_page};
+pub use plots::{design_figures, plan_drawings, plan_figures, study_figures};
 
 use crate::plan::document::{Explanation, Plan, Review, Verification};
 

@@ -1,7 +1,7 @@
 //! What a plan proves, in words: the same in the terminal and on its page.
 
 use crate::figures::{grouped, short};
-use crate::plan::document::{AxisMeans, Plan, StudyDocument};
+use crate::plan::document::{AxisMeans, DesignDocument, Plan, StudyDocument};
 
 /// What was chosen, and what is proven of it.
 pub fn outcome(plan: &Plan) -> String {
@@ -77,5 +77,36 @@ pub fn strongest(study: &StudyDocument) -> String {
             most.0,
         ),
         None => format!("Nothing varies that {} could depend on.", summary.outcome),
+    }
+}
+
+/// What a design found, in a sentence.
+pub fn gain(design: &DesignDocument) -> String {
+    let px = |number: Option<f64>| number.map_or_else(|| "-".into(), short);
+    let best = design.best.map_error_px;
+    let found = format!("The best set-up found gives {} poses a map error of {} px", design.count, px(best));
+    match design.as_given.as_ref().map(|given| given.map_error_px) {
+        Some(given) => {
+            let factor = given.zip(best).map(|(given, best)| given / best);
+            format!("{found}, {} times smaller than the file's own set-up with {} px.", px(factor), px(given))
+        }
+        None => format!("{found}; the file's own set-up has no plan of so many poses."),
+    }
+}
+
+/// What a design proves, in a sentence.
+pub fn family(design: &DesignDocument) -> String {
+    let proof = &design.proof;
+    let examined = grouped(proof.examined);
+    match (proof.map_error_bound_px, proof.bound) {
+        (Some(bound), _) => {
+            format!("No plan for any of the {examined} set-ups examined can have less than {} px.", short(bound))
+        }
+        (None, Some(bound)) => format!(
+            "No plan for any of the {examined} set-ups examined can have a better value than {}; the best found has {}.",
+            short(bound),
+            design.best.value.map_or_else(|| "-".into(), short)
+        ),
+        (None, None) => String::new(),
     }
 }

@@ -28,7 +28,7 @@ const ORDER: [&str; 18] = [
 ];
 
 /// The files and rooms in a room; each may use those before it, and all may use the room's own `mod.rs`.
-const ROOMS: [(&str, &[&str]); 28] = [
+const ROOMS: [(&str, &[&str]); 29] = [
     (
         "selection",
         &[
@@ -107,7 +107,19 @@ const ROOMS: [(&str, &[&str]); 28] = [
     ),
     (
         "plan::document",
-        &["header", "error_grid", "plan", "views", "problem", "answers", "review", "study", "refusal", "kind"],
+        &[
+            "header",
+            "error_grid",
+            "plan",
+            "views",
+            "problem",
+            "answers",
+            "review",
+            "study",
+            "design",
+            "refusal",
+            "kind",
+        ],
     ),
     ("plan::document::review", &["picture", "accuracy", "scene"]),
     (
@@ -115,15 +127,16 @@ const ROOMS: [(&str, &[&str]); 28] = [
         &["locate", "compare", "explain", "verify", "forecast", "polish", "next", "reach", "review", "certify"],
     ),
     ("plan::document::study", &["cell", "summary", "work"]),
-    ("experiment", &["file", "factor", "stages", "study"]),
-    ("experiment::file", &["factor", "study"]),
+    ("experiment", &["file", "base", "factor", "stages", "study", "codesign"]),
+    ("experiment::file", &["factor", "study", "design"]),
+    ("experiment::codesign", &["read", "evaluate", "sensitivity", "problem_file", "search"]),
     ("experiment::study", &["read", "cell", "store", "run", "statistics", "table", "summary", "forecast"]),
     ("report", &["outcome", "figure", "drawing", "plots", "page"]),
     (
         "report::page",
-        &["facts", "head", "table", "picture", "plan", "verification", "comparison", "calibration", "study"],
+        &["facts", "head", "table", "picture", "plan", "verification", "comparison", "calibration", "study", "design"],
     ),
-    ("report::plots", &["coverage", "accuracy", "poses", "space", "calibration", "comparison", "study"]),
+    ("report::plots", &["coverage", "accuracy", "poses", "space", "calibration", "comparison", "study", "design"]),
     ("cli", &["interrupt", "own_files", "output", "arguments", "memory", "long_work", "loaded_plan", "command"]),
 ];
 

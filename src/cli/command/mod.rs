@@ -6,6 +6,7 @@ pub(crate) mod certify;
 pub(crate) mod check;
 pub(crate) mod compare;
 pub(crate) mod completions;
+pub(crate) mod design;
 pub(crate) mod explain;
 pub(crate) mod figures;
 pub(crate) mod init;

@@ -8,7 +8,7 @@ use thiserror::Error;
 use super::collision::contacts_text;
 use super::short;
 use crate::calibration::CalibrationError;
-use crate::experiment::{RunError, StoreError};
+use crate::experiment::{CodesignError, RunError, StoreError};
 use crate::formats::{FileReadError, ReadError, ReadFault};
 use crate::plan::assess::{CertifyError, VerifyError};
 use crate::plan::choose::{ConstraintError, PlanError};
@@ -86,6 +86,14 @@ pub(crate) enum Failure {
     #[diagnostic(help("{remedy}"))]
     Memory { needed: String, total: String, remedy: &'static str },
     #[error(transparent)]
+    #[diagnostic(help(
+        "give wider ranges or a larger `surface`, or check by `calipose plan --set KEY=VALUE` what stands in the way at one set-up"
+    ))]
+    Design(#[from] CodesignError),
+    #[error("{} is of the design \"{theirs}\"", path.display())]
+    #[diagnostic(help("choose another folder with --output, or replace its results with --force"))]
+    OtherDesign { path: PathBuf, theirs: String },
+    #[error(transparent)]
     #[diagnostic(help("{}", store_help(.0)))]
     Store(#[from] StoreError),
     #[error("{missing} of the study's {cells} cells are not in {}: {named}", folder.display())]
@@ -126,6 +134,8 @@ impl Failure {
             Failure::Exists(_) => "exists",
             Failure::Print(_) => "page",
             Failure::Usage(_) => "command-line",
+            Failure::Design(_) => "no-design",
+            Failure::OtherDesign { .. } => "other-design",
             Failure::Store(StoreError::Busy { .. }) => "busy",
             Failure::Store(StoreError::Other { .. }) => "other-study",
             Failure::Incomplete { .. } => "incomplete",

@@ -17,12 +17,11 @@ pub use table::StudyTable;
 
 use std::path::{Path, PathBuf};
 
-use thiserror::Error;
-
+use super::base::{Base, SettingFault};
 use super::factor::{Factor, Level, Source, coordinate};
 use super::file::{Sequence, Simulate};
 use crate::information::Criterion;
-use crate::problem::{Method, OverrideError, Overrides, Problem, ProblemError};
+use crate::problem::{Method, Problem, ProblemError};
 use crate::verification::Disturbance;
 
 /// A checked study.
@@ -44,14 +43,6 @@ pub struct Study {
     layout: Layout,
     choices: Choices,
     simulate: Simulate,
-}
-
-/// A base problem.
-#[derive(Debug, Clone, PartialEq)]
-struct Base {
-    path: PathBuf,
-    text: String,
-    name: String,
 }
 
 /// How the factors are combined.
@@ -80,20 +71,6 @@ pub struct Cell {
     pub problem: usize,
     /// The levels, one for each factor.
     pub levels: Vec<Level>,
-}
-
-/// Why a cell has no problem.
-#[derive(Debug, Error)]
-pub enum CellFault {
-    /// A value is not written as one.
-    #[error(transparent)]
-    Set(#[from] OverrideError),
-    /// The problem refuses the setting.
-    #[error(transparent)]
-    Problem(#[from] ProblemError),
-    /// A key of the simulation refuses its value.
-    #[error("{0}")]
-    Simulation(String),
 }
 
 /// Calibrations to simulate.
@@ -189,26 +166,24 @@ impl Study {
     ///
     /// # Errors
     /// When its base refuses the setting.
-    pub fn problem(&self, cell: &Cell) -> Result<Problem, CellFault> {
+    pub fn problem(&self, cell: &Cell) -> Result<Problem, SettingFault> {
         let settings = cell.levels.iter().flat_map(|level| &level.set);
         self.with(&self.bases[cell.problem], settings)
     }
 
     /// A base problem with `settings`.
-    fn with<'s>(&'s self, base: &Base, settings: impl Iterator<Item = &'s String>) -> Result<Problem, CellFault> {
-        let of_problem = self.set.iter().chain(settings).filter(|text| !is_of_simulation(text));
-        let overrides = of_problem.cloned().try_fold(Overrides::new(), |overrides, text| overrides.set(&text))?;
-        Ok(Problem::parse_with(&base.text, &base.path, &overrides)?)
+    fn with<'s>(&'s self, base: &Base, settings: impl Iterator<Item = &'s String>) -> Result<Problem, SettingFault> {
+        base.problem(self.set.iter().chain(settings).filter(|text| !is_of_simulation(text)))
     }
 
     /// What is simulated in a cell.
     ///
     /// # Errors
     /// When a key of the simulation refuses its value.
-    pub fn simulation(&self, cell: &Cell) -> Result<Simulation, CellFault> {
+    pub fn simulation(&self, cell: &Cell) -> Result<Simulation, SettingFault> {
         let mut simulate = self.simulate.clone();
         for text in cell.levels.iter().flat_map(|level| &level.set).filter(|text| is_of_simulation(text)) {
-            read::set_simulation(&mut simulate, text).map_err(CellFault::Simulation)?;
+            read::set_simulation(&mut simulate, text).map_err(SettingFault::Simulation)?;
         }
         Ok(Simulation {
             trials: simulate.trials as usize,

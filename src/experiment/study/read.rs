@@ -3,22 +3,19 @@
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
-use rayon::prelude::*;
 use serde_json::Value;
 
-use super::{Base, CellFault, Choices, Layout, SIMULATE, Study, is_of_simulation};
-use crate::experiment::factor::{Factor, MOST_FACTORS, factor, level_path};
+use super::{Choices, Layout, SIMULATE, Study, is_of_simulation};
+use crate::experiment::base::{Base, SettingFault};
+use crate::experiment::factor::{Factor, MOST_FACTORS, factor, try_levels};
 use crate::experiment::file::{self, DesignKind, Simulate, StudyFile};
 use crate::problem::{
-    Allowed, At, Check, Fault, KeyPath, Named, Overrides, Problem, ProblemError, Reason, Source, SourceFile,
-    Vocabulary, key, read as read_toml, read_text, slug, toml_schema,
+    Allowed, At, Check, Fault, Named, Overrides, Problem, ProblemError, Reason, Source, SourceFile, Vocabulary, key,
+    read as read_toml, read_text, slug, toml_schema,
 };
 
 /// Cells of a study; each takes milliseconds at least.
 const MOST_CELLS: usize = 1_000_000;
-
-/// Levels of a factor that are tried on the problems when the file is read.
-const TRIED: usize = 200;
 
 /// The JSON Schema of study files.
 pub(super) fn schema_json() -> Value {
@@ -53,23 +50,11 @@ fn bases(check: &mut Check, file: &At<StudyFile>, folder: &Path) -> Result<Vec<B
     }
     let mut bases: Vec<Base> = Vec::new();
     for problem in problems.elements() {
-        let path = folder.join(problem.value);
-        match read_text(&path) {
-            Ok(text) => {
-                let Problem { name, .. } = Problem::parse(&text, &path)?;
-                if bases.iter().any(|base| base.name == name) {
-                    check.fault(&problem.path, Reason::Duplicate { name: name.clone() });
-                }
-                bases.push(Base { path, text, name });
+        if let Some(base) = Base::read(check, &problem, folder)? {
+            if bases.iter().any(|other| other.name == base.name) {
+                check.fault(&problem.path, Reason::Duplicate { name: base.name.clone() });
             }
-            Err(error) => {
-                let sentence = match error {
-                    ProblemError::Read { source, .. } => source.to_string(),
-                    other => other.to_string(),
-                };
-                let hint = Some("paths are relative to the study file's folder".to_owned());
-                check.fault(&problem.path, Reason::InProblem { problem: path, sentence, hint });
-            }
+            bases.push(base);
         }
     }
     Ok(bases)
@@ -210,73 +195,26 @@ fn tried(check: &mut Check, file: &At<StudyFile>, study: &Study) -> Vec<Problem>
     for base in &study.bases {
         match study.with(base, std::iter::empty()) {
             Ok(problem) => problems.push(problem),
-            Err(fault) => {
-                let index = given_at(&study.set, &fault);
-                check.fault(&key!(file, set).path.at(index), refusal(base, &fault));
-            }
+            Err(fault) => base.refuse_set(check, &key!(file, set), &fault),
         }
     }
-    if !check.faults.is_empty() {
-        return problems;
-    }
-    for (stated, factor) in key!(file, factors).elements().zip(&study.factors) {
-        let levels = factor.samples();
-        let stride = levels.len().div_ceil(TRIED).max(1);
-        let some: Vec<usize> = (0..levels.len()).step_by(stride).collect();
-        let tried: Vec<Vec<Option<Reason>>> = some
-            .par_iter()
-            .map(|&i| study.bases.iter().map(|base| refused(study, base, &levels[i].set)).collect())
-            .collect();
-        for (&i, refusals) in some.iter().zip(tried) {
-            for refusal in refusals.into_iter().flatten() {
-                let path = place_of(&stated, &refusal, i);
-                // A key that no problem has is told once.
-                if !check.faults.iter().any(|fault| fault.reason == refusal && fault.key == path.to_string()) {
-                    check.fault(&path, refusal);
-                }
-            }
-        }
+    if check.faults.is_empty() {
+        try_levels(check, &key!(file, factors), &study.factors, &|set| {
+            study.bases.iter().filter_map(|base| refused(study, base, set)).collect()
+        });
     }
     problems
 }
 
 /// Why a base refuses a level.
 fn refused(study: &Study, base: &Base, set: &[String]) -> Option<Reason> {
-    let simulated = set.iter().filter(|text| is_of_simulation(text));
     let mut simulate = study.simulate.clone();
-    for text in simulated {
+    for text in set.iter().filter(|text| is_of_simulation(text)) {
         if let Err(sentence) = set_simulation(&mut simulate, text) {
-            return Some(refusal(base, &CellFault::Simulation(sentence)));
+            return Some(base.refusal(&SettingFault::Simulation(sentence)));
         }
     }
-    study.with(base, set.iter()).err().map(|fault| refusal(base, &fault))
-}
-
-fn refusal(base: &Base, fault: &CellFault) -> Reason {
-    let problem = base.path.clone();
-    let first = match fault {
-        CellFault::Problem(error) => error.faults().first(),
-        CellFault::Set(_) | CellFault::Simulation(_) => None,
-    };
-    match first {
-        Some(first) => Reason::InProblem { problem, sentence: first.to_string(), hint: first.hint() },
-        None => Reason::InProblem { problem, sentence: fault.to_string(), hint: None },
-    }
-}
-
-/// Which of the texts the fault is about.
-fn given_at(set: &[String], fault: &CellFault) -> usize {
-    let CellFault::Problem(error) = fault else { return 0 };
-    let line = error.faults().first().and_then(|fault| fault.given.as_deref()).unwrap_or_default();
-    let plain = |text: &str| text.replace([' ', '"'], "");
-    set.iter().position(|text| plain(text) == plain(line)).unwrap_or(0)
-}
-
-/// Where a factor's level is told to be refused: a key that does not exist, at the key.
-fn place_of(stated: &At<file::Factor>, refusal: &Reason, level: usize) -> KeyPath {
-    let is_of_key = matches!(refusal, Reason::InProblem { sentence, .. }
-        if sentence.starts_with("there is no key") || sentence.contains("is not a path of keys"));
-    if is_of_key && stated.value.key.is_some() { key!(stated, key).path } else { level_path(stated, level) }
+    study.with(base, set.iter()).err().map(|fault| base.refusal(&fault))
 }
 
 fn check_simulation(check: &mut Check, simulate: &At<Simulate>) {

@@ -1,6 +1,7 @@
 //! The documents that leave the program, typed and versioned: one header, and a JSON Schema for each.
 
 mod answers;
+mod design;
 mod error_grid;
 mod header;
 mod kind;
@@ -18,6 +19,7 @@ pub use answers::{
     OutlierDocument, ParameterCheck, PictureSize, PoseExplanation, RequestedAccuracy, ResidualLengths,
     SimulatedMapError, SparePose, Suffering, Verification,
 };
+pub use design::{DesignDocument, DesignMap, DesignProof, FreeValue, Sensitivity, SensitivityPoint, SetUp};
 pub use error_grid::ErrorGrid;
 pub(crate) use header::finite;
 pub use header::{Document, Header, ProblemReference};

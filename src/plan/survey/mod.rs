@@ -101,6 +101,19 @@ pub fn survey(problem: &Problem, observe: &(dyn Fn(usize) + Sync)) -> Result<Sur
     weighed(problem, sweep, feasible)
 }
 
+/// As [`survey`], without finding out what stands in the way where there are no views.
+pub(crate) fn quick_survey(problem: &Problem) -> Option<Survey> {
+    let Problem { robot, target, space, .. } = problem;
+    let sweep = sweep(robot, target, space, problem.axis, &|_| {});
+    let checks = problem.checks();
+    let (views, rejected) = feasible_views(&checks, space, &sweep.candidates);
+    if views.is_empty() {
+        return None;
+    }
+    let links = checks.collision().links().clone();
+    weighed(problem, sweep, Feasible { views, rejected, links }).ok()
+}
+
 /// The first stage of a survey: the candidates. It depends on robot, target, joint space and axis rule alone.
 pub(crate) fn candidates(problem: &Problem, observe: &(dyn Fn(usize) + Sync)) -> Result<Sweep, SurveyError> {
     let Problem { robot, target, space, .. } = problem;

@@ -22,6 +22,11 @@ const INSTEAD: [(&str, &[&str]); 7] = [
     ("target.pose.quaternion_xyzw", &["target.pose.rpy_deg"]),
 ];
 
+/// The keys that give way to `key` where it is given in place of the file's.
+pub(crate) fn excluded_by(key: &str) -> impl Iterator<Item = &'static str> {
+    INSTEAD.iter().filter(move |(one, _)| *one == key).flat_map(|(_, others)| *others).copied()
+}
+
 /// Puts the value of `given`, which stands in the `line` of `text`, into `root`; whether that says anything else than before.
 ///
 /// # Errors
@@ -34,7 +39,7 @@ pub(super) fn put<'t>(
 ) -> Result<bool, Unreadable> {
     let key = given.path.to_string();
     let mut changes = false;
-    for excluded in INSTEAD.iter().filter(|(one, _)| *one == key).flat_map(|(_, others)| *others) {
+    for excluded in excluded_by(&key) {
         changes |= remove(root, excluded);
     }
     let start = line.end - given.value.len();

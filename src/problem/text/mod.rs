@@ -10,6 +10,7 @@ mod syntax;
 
 pub(crate) use at::{At, Optional, key};
 pub(crate) use document::Document;
+pub(crate) use merge::excluded_by;
 pub use overrides::{OverrideError, Overrides};
 pub(crate) use path::KeyPath;
 pub(crate) use source::Source;

@@ -4,13 +4,14 @@ mod accuracy;
 mod calibration;
 mod comparison;
 mod coverage;
+mod design;
 mod poses;
 mod space;
 mod study;
 
 use super::PlanDocuments;
 use super::figure::Figure;
-use crate::plan::document::{CalibrationDocument, ComparisonDocument, StudyDocument, Verification};
+use crate::plan::document::{CalibrationDocument, ComparisonDocument, DesignDocument, StudyDocument, Verification};
 
 /// Views drawn at most; more would only hide each other.
 const MOST_DOTS: usize = 600;
@@ -54,4 +55,9 @@ pub(super) fn comparison_figures(comparison: &ComparisonDocument) -> Vec<Figure>
 /// The plots of a study.
 pub fn study_figures(study: &StudyDocument) -> Vec<Figure> {
     study::figures(study)
+}
+
+/// The plots of a design.
+pub fn design_figures(design: &DesignDocument) -> Vec<Figure> {
+    design::figures(design)
 }

@@ -57,7 +57,7 @@ fn incomplete(study: &Study, store: &Store, missing: &[usize]) -> Failure {
     }
 }
 
-fn drawn(figures: &[Figure]) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+pub(crate) fn drawn(figures: &[Figure]) -> Result<Vec<(String, Vec<u8>)>, Failure> {
     let (width, height, text, dpi) = FIGURE;
     let style = Style::paper(width, height, text);
     let mut files = Vec::with_capacity(2 * figures.len());

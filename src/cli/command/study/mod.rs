@@ -11,6 +11,7 @@ use crate::cli::output::failure::Failure;
 use crate::cli::output::{Screen, duration, grouped};
 use crate::experiment::{Forecast, RunError, Shard, Store, Study, run as run_cells};
 use crate::plan::document::{CellsDocument, Document};
+pub(super) use merge::drawn;
 use merge::merge;
 
 #[derive(Debug, Subcommand)]

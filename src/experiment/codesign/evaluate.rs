@@ -1,0 +1,140 @@
+//! What a set-up is worth.
+
+use super::{Codesign, Place};
+use crate::experiment::factor::Level;
+use crate::information::Criterion;
+use crate::plan::choose::{Choice, Chooser};
+use crate::plan::document::{FreeValue, SetUp, finite};
+use crate::plan::survey::{Survey, quick_survey};
+use crate::problem::Problem;
+use crate::selection::{Certificate, Gradient};
+
+/// What was found out about a set-up.
+#[derive(Debug, Clone)]
+pub(super) enum Verdict {
+    /// The problem refuses it, or the board is off the surface.
+    Refused,
+    /// There are too few views, or all of them leave an intrinsic undetermined.
+    NoPlan,
+    /// A bound on all its plans is worse than the best plan known.
+    Discarded,
+    /// It has a plan.
+    Planned(Box<Planned>),
+}
+
+/// A set-up with its plan.
+#[derive(Debug, Clone)]
+pub(super) struct Planned {
+    pub(super) place: Place,
+    pub(super) log_value: f64,
+    pub(super) certificate: Certificate,
+    pub(super) map_error: f64,
+    pub(super) document: SetUp,
+    /// The least map error that the bound allows, px.
+    pub(super) map_error_bound: Option<f64>,
+}
+
+/// What is known when a set-up is evaluated.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Known<'a> {
+    /// The best log Φ so far.
+    pub(super) log_value: f64,
+    /// What proved the bound of that set-up, and may prove one of another.
+    pub(super) certificate: &'a Certificate,
+}
+
+impl Codesign {
+    /// The log Φ of a plan on a coarser sweep; −∞ where there is none.
+    pub(super) fn screen(&self, place: &Place) -> f64 {
+        let value = || {
+            let mut problem = self.problem_at(place)?;
+            problem.space = problem.space.coarser(COARSE.max(problem.space.len() / COARSER));
+            let (survey, count) = (quick_survey(&problem)?, problem.selection.goal.count()?);
+            let chooser = Chooser::new(&problem, &survey).ok()?;
+            let (choice, _) = chooser.best(count, problem.selection.seed).ok()?;
+            Some(choice.log_value)
+        };
+        value().unwrap_or(f64::NEG_INFINITY)
+    }
+
+    /// What a set-up is worth on the problem's own sweep. With something `known`, one that cannot be better is discarded.
+    pub(super) fn evaluate(&self, place: &Place, known: Option<Known>) -> Verdict {
+        match self.problem_at(place) {
+            Some(problem) => judge(place, &problem, known),
+            None => Verdict::Refused,
+        }
+    }
+
+    /// The set-up as the problem file has it, with the values of what is free left open.
+    pub(super) fn as_given(&self) -> Option<Planned> {
+        let place = Place { shares: Vec::new(), levels: Vec::new() };
+        match judge(&place, &self.problem, None) {
+            Verdict::Planned(found) => Some(*found),
+            Verdict::Refused | Verdict::NoPlan | Verdict::Discarded => None,
+        }
+    }
+}
+
+/// What a set-up is worth, by its problem.
+fn judge(place: &Place, problem: &Problem, known: Option<Known>) -> Verdict {
+    let Some(survey) = quick_survey(problem) else { return Verdict::NoPlan };
+    let Some(count) = problem.selection.goal.count() else { return Verdict::NoPlan };
+    let Ok(chooser) = Chooser::new(problem, &survey) else { return Verdict::NoPlan };
+    if let Some(Known { log_value, certificate }) = known {
+        // A neighbour's matrix proves a bound here too, for the price of one score a view.
+        if bound_by(&chooser, count, certificate) < log_value {
+            return Verdict::Discarded;
+        }
+    }
+    match chooser.best(count, problem.selection.seed) {
+        Ok((choice, certificate)) if choice.log_value.is_finite() => {
+            let found = planned(place, &chooser, &survey, &choice, certificate);
+            Verdict::Planned(Box::new(found))
+        }
+        _ => Verdict::NoPlan,
+    }
+}
+
+/// The coarser sweep has so many configurations, or a sixteenth of the problem's.
+const COARSE: usize = 20_000;
+const COARSER: usize = 16;
+
+/// The bound on log Φ of sets of `count` views that the matrix of another set-up's certificate proves.
+fn bound_by(chooser: &Chooser, count: usize, certificate: &Certificate) -> f64 {
+    let bound = || {
+        let instance = chooser.instance(count).ok()?;
+        let gradient = Gradient { y: certificate.y.clone(), mixture: certificate.mixture.clone() };
+        Some(Certificate::new(&instance, gradient, Vec::new()).ok()?.log_bound)
+    };
+    bound().unwrap_or(f64::INFINITY)
+}
+
+fn planned(place: &Place, chooser: &Chooser, survey: &Survey, choice: &Choice, certificate: Certificate) -> Planned {
+    let nearest = choice.selected.iter().map(|&i| survey.views[i].distance()).fold(f64::INFINITY, f64::min);
+    let criteria = chooser.problem().selection.goal.criteria();
+    let is_of_map_error = matches!(criteria[..], [(Criterion::V, _)]);
+    let bound = chooser.natural(certificate.log_bound);
+    Planned {
+        place: place.clone(),
+        log_value: choice.log_value,
+        map_error: choice.map_error,
+        map_error_bound: is_of_map_error.then(|| bound.sqrt()),
+        document: SetUp {
+            // Named by who knows the names.
+            values: place.levels.iter().map(FreeValue::from).collect(),
+            views: survey.views.len(),
+            value: finite(chooser.natural(choice.log_value)),
+            bound: finite(bound),
+            efficiency: finite(certificate.efficiency(choice.log_value)),
+            map_error_px: finite(choice.map_error),
+            nearest_mm: 1e3 * nearest,
+        },
+        certificate,
+    }
+}
+
+impl From<&Level> for FreeValue {
+    fn from(level: &Level) -> Self {
+        Self { name: String::new(), value: level.name.clone(), number: level.number, set: level.set.clone() }
+    }
+}

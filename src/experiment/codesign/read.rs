@@ -1,0 +1,114 @@
+//! From a design file to a checked design.
+
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
+
+use serde_json::Value;
+
+use super::Codesign;
+use crate::experiment::base::Base;
+use crate::experiment::factor::{Factor, factor, try_levels};
+use crate::experiment::file::{DesignFile, Search, Surface};
+use crate::problem::{
+    Allowed, At, Check, Fault, Goal, Numbers, Overrides, ProblemError, Reason, Source, SourceFile, Vocabulary, key,
+    read as read_toml, read_text, slug, toml_schema,
+};
+
+/// Coordinates in mm.
+const COORDINATE: Allowed = Allowed::between(-1e6, 1e6);
+
+/// What may be free at once: more cannot be searched by trying.
+const MOST_FREE: usize = 20;
+
+/// The JSON Schema of design files.
+pub(super) fn schema_json() -> Value {
+    toml_schema::<DesignFile>()
+}
+
+/// The design that the file at `path` states.
+pub(super) fn read(path: &Path) -> Result<Codesign, ProblemError> {
+    static SCHEMA: LazyLock<Value> = LazyLock::new(schema_json);
+    let text = read_text(path)?;
+    let source = Source::new(&text, &Overrides::new());
+    let refused = |faults: Vec<Fault>| ProblemError::Invalid {
+        file: SourceFile { name: path.to_string_lossy().into_owned(), text: text.clone() },
+        faults,
+    };
+    let (document, file) = read_toml::<DesignFile>(&source, Vocabulary::new(&SCHEMA)).map_err(|f| refused(vec![*f]))?;
+    let mut check = Check { document: &document, faults: Vec::new(), notes: Vec::new() };
+    let file = &At::root(&file);
+    let base = Base::read(&mut check, &key!(file, problem), path.parent().unwrap_or(Path::new("")))?;
+    let design = base.and_then(|base| codesign(&mut check, file, path, base));
+    match design {
+        Some(design) if check.faults.is_empty() => Ok(Codesign { sha256: document.sha256(), ..design }),
+        _ => Err(refused(check.faults)),
+    }
+}
+
+fn codesign(check: &mut Check, file: &At<DesignFile>, path: &Path, base: Base) -> Option<Codesign> {
+    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    let name = file.value.name.as_deref().unwrap_or(&stem).trim().to_owned();
+    if name.is_empty() {
+        check.fault(&key!(file, name).path, Reason::Empty);
+    }
+    let output = match key!(file, output.folder).given() {
+        Some(folder) => {
+            if folder.value.trim().is_empty() {
+                check.fault(&folder.path, Reason::Empty);
+            }
+            PathBuf::from(folder.value)
+        }
+        None => PathBuf::from("designs").join(slug(&name)),
+    };
+    let stated = key!(file, free);
+    if stated.value.is_empty() {
+        check.fault(&stated.path, Reason::Empty);
+    }
+    if stated.value.len() > MOST_FREE {
+        let found = format!("a list of {}", stated.value.len());
+        check.fault(&stated.path, Reason::Type { found, expected: format!("a list of at most {MOST_FREE}") });
+    }
+    // Whatever has a distribution may be drawn from here.
+    let free: Vec<Option<Factor>> = stated.elements().map(|stated| factor(check, &stated, true)).collect();
+    let surface = key!(file, surface).given().map_or([None; 3], |surface| ranges(check, &surface));
+    let search = searched(check, &key!(file, search));
+    let free: Vec<Factor> = free.into_iter().collect::<Option<_>>()?;
+    for (i, (stated, factor)) in stated.elements().zip(&free).enumerate() {
+        if free[..i].iter().any(|other| other.name == factor.name) {
+            check.fault(&key!(stated, name).path, Reason::Duplicate { name: factor.name.clone() });
+        }
+    }
+    let set = key!(file, set);
+    let problem = base.problem(set.value.iter());
+    let problem = problem.map_err(|fault| base.refuse_set(check, &set, &fault)).ok()?;
+    if matches!(problem.selection.goal, Goal::Fewest { .. }) {
+        let hint = Some("give a number of poses: set = [\"selection.count=10\"]".to_owned());
+        let sentence = "set-ups are compared by plans of one size, and the problem asks for accuracies".to_owned();
+        check.fault(&key!(file, problem).path, Reason::InProblem { problem: base.path.clone(), sentence, hint });
+    }
+    if !check.faults.is_empty() {
+        return None;
+    }
+    try_levels(check, &stated, &free, &|settings| {
+        let refused = base.problem(set.value.iter().chain(settings)).err();
+        refused.map(|fault| base.refusal(&fault)).into_iter().collect()
+    });
+    let set = file.value.set.clone();
+    Some(Codesign { name, sha256: String::new(), free, problem, output, base, set, surface, search })
+}
+
+/// The ranges in m.
+fn ranges(check: &mut Check, surface: &At<Surface>) -> [Option<[f64; 2]>; 3] {
+    [key!(surface, x_mm), key!(surface, y_mm), key!(surface, z_mm)].map(|range: At<Option<Numbers<2>>>| {
+        let range = range.given()?;
+        Some(check.range(&range, COORDINATE).map(|mm| mm / 1e3))
+    })
+}
+
+fn searched(check: &mut Check, search: &At<Search>) -> Search {
+    check.count(&key!(search, screened), Allowed::between(1.0, 60_000.0));
+    check.count(&key!(search, finalists), Allowed::between(1.0, 10_000.0));
+    check.count(&key!(search, rounds), Allowed::between(0.0, 1000.0));
+    check.count(&key!(search, map), Allowed::between(0.0, 100.0));
+    search.value.clone()
+}
