@@ -114,9 +114,9 @@ enum Command {
         #[arg(long, value_name = "URDF")]
         urdf: Option<PathBuf>,
     },
-    /// Print the JSON Schema of problem files, for editors, or of a document that the program writes
+    /// Print the JSON Schema of problem, study or design files, for editors, or of a document that the program writes
     Schema {
-        /// What to describe: problem files, or one kind of document
+        /// What to describe: a kind of file that users write, or of document
         #[arg(long = "for", value_name = "KIND", default_value = init::PROBLEM, value_parser = schema_name())]
         kind: String,
     },

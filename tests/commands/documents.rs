@@ -193,6 +193,26 @@ fn every_document_is_as_its_schema_says() {
         let document = serde_json::from_slice(&output.stdout);
         held.hold(&document.unwrap_or_else(|_| panic!("{line}: {}", crate::desk::text(&output.stderr))));
     }
+    let study = "problems = [\"coarse.toml\"]\nset = [\"sweep.step_deg=20\"]\n[simulate]\ntrials = 2\n[[factors]]\nkey = \
+                 \"noise.sigma_px\"\nvalues = [0.3, 0.6]\n";
+    std::fs::write(desk.path("study.toml"), study).unwrap();
+    let design = "problem = \"coarse.toml\"\nset = [\"visibility.min_distance_mm=200\"]\n[search]\nscreened = 2\nrounds = \
+                  1\nmap = 2\n[[free]]\nkey = \"target.pose.position_mm[0]\"\nuniform = [200, 300]\n[[free]]\nkey = \
+                  \"target.pose.position_mm[1]\"\nuniform = [0, 100]\n";
+    std::fs::write(desk.path("design.toml"), design).unwrap();
+    for line in [
+        "study check study.toml",
+        "study cell study.toml 0 -o st",
+        "study run study.toml -o st",
+        "design design.toml -o de",
+    ] {
+        held.hold(&desk.json(&format!("{line} --json")));
+    }
+    for sub in std::fs::read_dir(desk.path("st/cells")).unwrap() {
+        for cell in std::fs::read_dir(sub.unwrap().path()).unwrap() {
+            held.hold_file(&cell.unwrap().path());
+        }
+    }
     for file in ["polished.json", "next.json"] {
         held.hold_file(&desk.path("out").join(file));
     }

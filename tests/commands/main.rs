@@ -5,6 +5,7 @@
 mod board;
 mod calibrate_command;
 mod command_line;
+mod design;
 mod desk;
 mod determinism;
 mod documents;
@@ -15,3 +16,4 @@ mod reach;
 mod report;
 mod result_files;
 mod selection_commands;
+mod studies;

@@ -5,6 +5,7 @@ use std::path::Path;
 use crate::cli::interrupt::writing;
 use crate::cli::output::Screen;
 use crate::cli::output::failure::Failure;
+use crate::experiment::{Codesign, Study};
 use crate::plan::document::{InitDocument, Kind};
 use crate::plan::results::write_atomically;
 use crate::problem::{STARTER, draft, schema_json};
@@ -27,15 +28,24 @@ pub(crate) fn run(file: Option<&Path>, urdf: Option<&Path>, screen: &mut Screen)
     screen.text(&format!("Wrote {0}. {edit}, then run:\n  calipose check {0}\n  calipose plan {0}", file.display()))
 }
 
-/// Prints the JSON Schema of the documents of that name, or of problem files.
-pub(crate) fn schema(document: &str) -> Result<(), Failure> {
-    Screen::print(&format!("{:#}", Kind::named(document).map_or_else(schema_json, Kind::schema)))
+/// Prints the JSON Schema of that name.
+pub(crate) fn schema(name: &str) -> Result<(), Failure> {
+    let file = FILES.iter().find(|(file, _)| *file == name).map(|(_, schema)| schema());
+    let document = || Kind::named(name).map(Kind::schema);
+    Screen::print(&format!("{:#}", file.or_else(document).unwrap_or_default()))
 }
 
-/// Names that [`schema`] knows: [`PROBLEM`] and those of the documents.
+/// Names that [`schema`] knows: those of files that users write, and those of the documents.
 pub(crate) fn schema_names() -> impl Iterator<Item = &'static str> {
-    std::iter::once(PROBLEM).chain(Kind::ALL.into_iter().map(Kind::name))
+    FILES.iter().map(|(name, _)| *name).chain(Kind::ALL.into_iter().map(Kind::name))
 }
 
 /// Name of the schema of problem files.
 pub(crate) const PROBLEM: &str = "problem";
+
+/// Makes a schema.
+type Describe = fn() -> serde_json::Value;
+
+/// Files that users write, each with its schema.
+const FILES: [(&str, Describe); 3] =
+    [(PROBLEM, schema_json), ("study-file", Study::schema_json), ("design-file", Codesign::schema_json)];

@@ -56,22 +56,48 @@ fn move_paths(item: &mut Item, from: &Path, to: &Path) {
 fn put(root: &mut Item, path: &str, value: &str) {
     // A text without quotes, as `--set` takes it, is a text.
     let value: Value = value.parse().unwrap_or_else(|_| Value::from(value));
-    let mut item = root;
+    let (mut item, mut place) = (root, None);
     for part in path.split('.') {
         let (name, indices) = part.split_at(part.find('[').unwrap_or(part.len()));
-        item = &mut item[name];
-        for index in indices.split_terminator(']').filter_map(|index| index.strip_prefix('[')?.parse::<usize>().ok()) {
-            item = &mut item[index];
+        let indices = indices.split_terminator(']').filter_map(|index| index.strip_prefix('[')?.parse().ok());
+        for step in std::iter::once(Step::Key(name)).chain(indices.map(Step::Element)) {
+            if let Some(step) = place.replace(step) {
+                item = step.below(item);
+            }
         }
     }
-    match item.as_value_mut() {
+    let Some(last) = place else { return };
+    match (last.below(item).as_value_mut(), last) {
         // What stands around the value, comments and blanks, stays.
-        Some(old) => {
+        (Some(old), _) => {
             let decor = old.decor().clone();
             *old = value;
             *old.decor_mut() = decor;
         }
-        None => *item = Item::Value(value),
+        (None, Step::Key(name)) => {
+            if let Some(section) = item.as_table_like_mut() {
+                section.remove(name);
+                section.insert(name, Item::Value(value));
+            }
+        }
+        (None, Step::Element(_)) => {}
+    }
+}
+
+/// A step of a path.
+#[derive(Clone, Copy)]
+enum Step<'p> {
+    Key(&'p str),
+    Element(usize),
+}
+
+impl Step<'_> {
+    /// What stands there; nothing yet, where it is a key that is not there.
+    fn below(self, item: &mut Item) -> &mut Item {
+        match self {
+            Self::Key(name) => &mut item[name],
+            Self::Element(index) => &mut item[index],
+        }
     }
 }
 
