@@ -204,6 +204,7 @@ fn every_document_is_as_its_schema_says() {
         "study check study.toml",
         "study cell study.toml 0 -o st",
         "study run study.toml -o st",
+        "check design.toml",
         "design design.toml -o de",
     ] {
         held.hold(&desk.json(&format!("{line} --json")));

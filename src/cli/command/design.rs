@@ -1,13 +1,13 @@
 //! `calipose design`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use super::study::drawn;
 use crate::cli::interrupt::writing;
 use crate::cli::output::failure::Failure;
-use crate::cli::output::{Screen, grouped, short, table, wrapped};
+use crate::cli::output::{Screen, duration, grouped, short, table, wrapped};
 use crate::experiment::{Codesign, Designed};
 use crate::plan::document::{DesignDocument, Document, SetUp};
 use crate::plan::results::{probe, write_together};
@@ -69,9 +69,34 @@ pub(crate) fn run(arguments: &DesignArguments, screen: &mut Screen) -> Result<()
     ))
 }
 
+/// Whether the file at `path` states a design.
+pub(crate) fn is_design(path: &Path) -> bool {
+    let text = std::fs::read_to_string(path).unwrap_or_default();
+    text.parse::<toml::Table>().is_ok_and(|table| table.contains_key("free"))
+}
+
+/// Says what a search would take.
+pub(crate) fn check(path: &Path, screen: &mut Screen) -> Result<(), Failure> {
+    let forecast = Codesign::read(path)?.forecast();
+    screen.document(&forecast)?;
+    let things = if forecast.free.len() == 1 { "thing is" } else { "things are" };
+    screen.text(&format!(
+        "{}: valid.\n{} {things} free on {}: {}.\n{} set-ups would be screened on a coarser sweep, and at most {} examined.\nIt would take \
+         up to about {} on this machine, and write to {}.",
+        forecast.name,
+        forecast.free.len(),
+        forecast.problem.name,
+        forecast.free.join(", "),
+        grouped(forecast.screened),
+        grouped(forecast.examined_at_most),
+        duration(forecast.seconds),
+        forecast.output.display(),
+    ))
+}
+
 impl DesignArguments {
     /// That results can be written, and replace none of another design.
-    fn may_write(&self, folder: &std::path::Path, design: &Codesign) -> Result<(), Failure> {
+    fn may_write(&self, folder: &Path, design: &Codesign) -> Result<(), Failure> {
         let path = folder.join(DESIGN_FILE);
         let theirs = std::fs::read(&path).ok().and_then(|bytes| serde_json::from_slice::<DesignDocument>(&bytes).ok());
         match theirs.filter(|theirs| theirs.name != design.name && !self.force) {

@@ -8,6 +8,7 @@ use crate::plan::document::{FreeValue, SetUp, finite};
 use crate::plan::survey::{Survey, quick_survey};
 use crate::problem::Problem;
 use crate::selection::{Certificate, Gradient};
+use crate::sweep::JointSpace;
 
 /// What was found out about a set-up.
 #[derive(Debug, Clone)]
@@ -48,7 +49,7 @@ impl Codesign {
     pub(super) fn screen(&self, place: &Place) -> f64 {
         let value = || {
             let mut problem = self.problem_at(place)?;
-            problem.space = problem.space.coarser(COARSE.max(problem.space.len() / COARSER));
+            problem.space = coarse(&problem.space);
             let (survey, count) = (quick_survey(&problem)?, problem.selection.goal.count()?);
             let chooser = Chooser::new(&problem, &survey).ok()?;
             let (choice, _) = chooser.best(count, problem.selection.seed).ok()?;
@@ -98,6 +99,10 @@ fn judge(place: &Place, problem: &Problem, known: Option<Known>) -> Verdict {
 /// The coarser sweep has so many configurations, or a sixteenth of the problem's.
 const COARSE: usize = 20_000;
 const COARSER: usize = 16;
+
+pub(super) fn coarse(space: &JointSpace) -> JointSpace {
+    space.coarser(COARSE.max(space.len() / COARSER))
+}
 
 /// The bound on log Φ of sets of `count` views that the matrix of another set-up's certificate proves.
 fn bound_by(chooser: &Chooser, count: usize, certificate: &Certificate) -> f64 {

@@ -14,10 +14,12 @@ mod sensitivity;
 pub use search::{CodesignError, Designed};
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use super::base::Base;
 use super::factor::{Factor, Level, coordinate};
 use super::file::{Search, Sequence};
+use crate::plan::document::{DesignCheckDocument, Document, ProblemReference};
 use crate::problem::{Problem, ProblemError};
 
 /// A checked design.
@@ -71,6 +73,27 @@ impl Codesign {
         let neighbours = rounds as usize * search::CENTRES * 3 * self.free.len();
         let sensitivity = self.free.len() * sensitivity::STEPS.len();
         (screened as usize, finalists as usize + neighbours + sensitivity + (map * map) as usize)
+    }
+
+    /// What a search would take, from the time of one set-up.
+    pub fn forecast(&self) -> DesignCheckDocument {
+        let (screened, examined_at_most) = self.evaluations();
+        let start = Instant::now();
+        drop(self.as_given());
+        let one = start.elapsed().as_secs_f64();
+        // A coarser sweep takes as much less as it has fewer configurations; most set-ups examined are discarded early.
+        let coarse = evaluate::coarse(&self.problem.space).len() as f64 / self.problem.space.len() as f64;
+        DesignCheckDocument {
+            header: DesignCheckDocument::header(),
+            name: self.name.clone(),
+            sha256: self.sha256.clone(),
+            problem: ProblemReference::new(&self.problem),
+            free: self.free.iter().map(|factor| factor.name.clone()).collect(),
+            screened,
+            examined_at_most,
+            seconds: one * (screened as f64 * coarse + examined_at_most as f64),
+            output: self.output.clone(),
+        }
     }
 
     fn place(&self, shares: Vec<f64>) -> Place {

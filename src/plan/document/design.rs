@@ -1,5 +1,7 @@
 //! The design of a set-up, as `calipose design` finds it.
 
+use std::path::PathBuf;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -118,6 +120,35 @@ pub struct DesignMap {
     /// The map error, px, for each value of the second in a row by the first; `null` where the board is off the surface, or no
     /// plan is possible.
     pub map_error_px: Vec<Vec<Option<f64>>>,
+}
+
+/// What a search for the best set-up would take.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct DesignCheckDocument {
+    /// What it is and what made it.
+    #[serde(flatten)]
+    pub header: Header,
+    /// Name of the design.
+    pub name: String,
+    /// SHA-256 of the design file's bytes, in hexadecimal.
+    pub sha256: String,
+    /// The problem, with what the design sets in all set-ups.
+    pub problem: ProblemReference,
+    /// Names of what is free.
+    pub free: Vec<String>,
+    /// Set-ups that would be screened on a coarser sweep.
+    pub screened: usize,
+    /// Set-ups that would be examined on the problem's own sweep, at most.
+    pub examined_at_most: usize,
+    /// Seconds that it takes on this machine, about.
+    pub seconds: f64,
+    /// Folder for the results.
+    pub output: PathBuf,
+}
+
+impl Document for DesignCheckDocument {
+    const FORMAT: &'static str = "calipose.design-check";
+    const VERSION: u32 = 1;
 }
 
 impl Document for DesignDocument {

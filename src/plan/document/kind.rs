@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::answers::{
     CalibrationDocument, Certified, ComparisonDocument, Explanation, FiguresDocument, NextDocument, Verification,
 };
-use super::design::DesignDocument;
+use super::design::{DesignCheckDocument, DesignDocument};
 use super::header::Document;
 use super::plan::{Plan, PolishedPlan, Run};
 use super::problem::{BoardDocument, CheckDocument, InitDocument, ReachDocument, SweepDocument};
@@ -28,7 +28,7 @@ pub struct Kind {
 
 impl Kind {
     /// Every kind, those first that are written beside a plan.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 23] = [
         Self::of::<Plan>(),
         Self::of::<Run>(),
         Self::of::<Verification>(),
@@ -50,6 +50,7 @@ impl Kind {
         Self::of::<CellsDocument>(),
         Self::of::<StudyCheckDocument>(),
         Self::of::<DesignDocument>(),
+        Self::of::<DesignCheckDocument>(),
         Self::of::<ErrorDocument>(),
     ];
 

@@ -19,7 +19,9 @@ pub use answers::{
     OutlierDocument, ParameterCheck, PictureSize, PoseExplanation, RequestedAccuracy, ResidualLengths,
     SimulatedMapError, SparePose, Suffering, Verification,
 };
-pub use design::{DesignDocument, DesignMap, DesignProof, FreeValue, Sensitivity, SensitivityPoint, SetUp};
+pub use design::{
+    DesignCheckDocument, DesignDocument, DesignMap, DesignProof, FreeValue, Sensitivity, SensitivityPoint, SetUp,
+};
 pub use error_grid::ErrorGrid;
 pub(crate) use header::finite;
 pub use header::{Document, Header, ProblemReference};

@@ -5,6 +5,7 @@ mod notes;
 mod sight;
 mod tested;
 
+use super::design::{self, is_design};
 use super::plan::what_views_do;
 use super::study::{self, is_study};
 use crate::cli::arguments::ProblemArguments;
@@ -26,6 +27,9 @@ const TRIALS: usize = 100;
 pub(crate) fn run(arguments: &ProblemArguments, screen: &mut Screen) -> Result<(), Failure> {
     if is_study(arguments.path()) {
         return study::check(arguments.path(), screen);
+    }
+    if is_design(arguments.path()) {
+        return design::check(arguments.path(), screen);
     }
     let problem = arguments.problem(&[])?;
     let Problem { robot, space, .. } = &problem;
