@@ -105,13 +105,16 @@ const ROOMS: [(&str, &[&str]); 24] = [
         &["baseline", "choice", "constraints", "error", "objective", "chooser", "refined_survey", "decide"],
     ),
     ("plan::document", &["header", "error_grid", "plan", "views", "problem", "answers", "review", "refusal", "kind"]),
-    ("plan::document::review", &["picture", "accuracy", "scene"]),
+    ("plan::document::review", &["picture", "accuracy", "scene", "space"]),
     (
         "plan::assess",
         &["locate", "compare", "explain", "verify", "forecast", "polish", "next", "reach", "review", "certify"],
     ),
     ("report", &["outcome", "figure", "drawing", "plots", "page"]),
-    ("report::page", &["facts", "head", "table", "picture", "plan", "verification", "comparison", "calibration"]),
+    (
+        "report::page",
+        &["facts", "head", "table", "picture", "space", "plan", "verification", "comparison", "calibration"],
+    ),
     ("report::plots", &["coverage", "accuracy", "poses", "space", "calibration", "comparison"]),
     ("cli", &["interrupt", "own_files", "output", "arguments", "memory", "long_work", "loaded_plan", "command"]),
 ];

@@ -33,11 +33,11 @@ pub use problem::{
     SelfCollision, Sight, Suspicion, SweepCounts, SweepDocument, TestedPair, TilesDocument,
 };
 pub use refusal::{ErrorDocument, FaultDocument, FaultInFile};
-pub(crate) use review::image_share;
 pub use review::{
     BoundPoint, OtherChoice, Picture, Review, ReviewedPose, Scene, SceneBoard, SceneCamera, SceneJoint, SceneLink,
     SceneMotion, SceneShape, SceneSolid, SurveyedViews,
 };
+pub(crate) use review::{Space, image_share};
 pub use views::views_csv;
 #[cfg(feature = "parquet")]
 pub use views::views_parquet;

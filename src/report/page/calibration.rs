@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::head::{Head, Tone, figure};
 use super::table::{Cell, Row, table};
-use super::{page, plots};
+use super::{page, plots, script};
 use crate::figures::short;
 use crate::plan::document::CalibrationDocument;
 use crate::report::plots::calibration_figures;
@@ -25,7 +25,8 @@ pub fn calibration_page(calibration: &CalibrationDocument) -> String {
         name,
         tone,
         verdict: calibration.verdict.clone(),
-        next: next.into(),
+        details: String::new(),
+        next: html! { (next) },
         figures: vec![
             figure("Map error", px(calibration.map_error_px.rms), "px RMS over the image"),
             figure("Residuals", short(calibration.rms_px), "px RMS"),
@@ -44,8 +45,9 @@ pub fn calibration_page(calibration: &CalibrationDocument) -> String {
             }
         }
         (head.foot(calibration.problem.as_ref()))
+        (script())
     };
-    page(&format!("{name}: camera calibration"), &body, None)
+    page(&format!("{name}: camera calibration"), &body)
 }
 
 fn intrinsics(calibration: &CalibrationDocument) -> Markup {

@@ -4,11 +4,13 @@
 mod accuracy;
 mod picture;
 mod scene;
+mod space;
 
 pub use accuracy::{BoundPoint, OtherChoice};
 pub use picture::Picture;
 pub(crate) use picture::image_share;
 pub use scene::{Scene, SceneBoard, SceneCamera, SceneJoint, SceneLink, SceneMotion, SceneShape, SceneSolid};
+pub(crate) use space::Space;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
