@@ -110,7 +110,7 @@ const ROOMS: [(&str, &[&str]); 24] = [
         "plan::assess",
         &["locate", "compare", "explain", "verify", "forecast", "polish", "next", "reach", "review", "certify"],
     ),
-    ("report", &["outcome", "figure", "drawing", "plots", "page"]),
+    ("report", &["documents", "outcome", "figure", "drawing", "plots", "page"]),
     (
         "report::page",
         &["facts", "head", "table", "picture", "space", "plan", "verification", "comparison", "calibration"],

@@ -100,7 +100,7 @@ fn of_plan(arguments: &ReportArguments, screen: &mut Screen) -> Result<(), Failu
     let survey = loaded.survey(screen)?;
     let (chooser, selected) = loaded.locate(path, &survey)?;
     let reported = Reported::beside(path, &loaded.plan, &chooser, &selected)?;
-    let page = plan_page(&reported.documents(&loaded.plan));
+    let page = plan_page(&reported.documents(&loaded.plan)?);
     writing(|| add_results(path, loaded.text.as_bytes(), None, &[(REPORT_FILE, page.into_bytes())]))?;
     screen.document(&reported.review)?;
     screen.text(&format!("Written to {}.", folder.join(REPORT_FILE).display()))
@@ -136,8 +136,8 @@ impl Reported {
         Self::new(plan, chooser, selected, verification)
     }
 
-    pub(super) fn documents<'a>(&'a self, plan: &'a Plan) -> PlanDocuments<'a> {
+    pub(super) fn documents<'a>(&'a self, plan: &'a Plan) -> Result<PlanDocuments<'a>, Failure> {
         let Self { review, explanation, verification } = self;
-        PlanDocuments { plan, review, explanation, verification: verification.as_ref() }
+        Ok(PlanDocuments::new(plan, review, explanation, verification.as_ref())?)
     }
 }

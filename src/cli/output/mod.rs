@@ -3,6 +3,7 @@
 pub(super) mod collision;
 mod error_document;
 pub(super) mod failure;
+pub(super) mod joint_table;
 pub(super) mod pose_table;
 mod progress;
 pub(super) mod verdict;
@@ -14,7 +15,6 @@ use miette::{GraphicalReportHandler, GraphicalTheme};
 
 pub(crate) use crate::figures::{fixed, grouped, short};
 use crate::plan::document::{Document, ErrorDocument};
-use crate::robot::Joint;
 use error_document::error_document;
 use failure::Failure;
 use progress::Progress;
@@ -132,20 +132,24 @@ pub(crate) fn wrapped(text: &str) -> String {
 }
 
 /// A table with a header; the first column to the left, the others to the right.
-pub(crate) fn table(header: &[&str], rows: &[Vec<String>]) -> String {
+pub(crate) fn table<S: AsRef<str>>(header: &[S], rows: &[Vec<String>]) -> String {
+    padded_table(header, rows, 1)
+}
+
+/// The same with columns as near as they can be.
+pub(crate) fn tight_table<S: AsRef<str>>(header: &[S], rows: &[Vec<String>]) -> String {
+    padded_table(header, rows, 0)
+}
+
+fn padded_table<S: AsRef<str>>(header: &[S], rows: &[Vec<String>], padding: u16) -> String {
     let mut table = Table::new();
-    table.load_preset(presets::NOTHING).set_header(header);
+    table.load_preset(presets::NOTHING).set_header(header.iter().map(AsRef::as_ref));
     table.add_rows(rows);
     for (i, column) in table.column_iter_mut().enumerate() {
-        column.set_padding((u16::from(i != 0), 1));
+        column.set_padding((u16::from(i != 0), padding));
         column.set_cell_alignment(if i == 0 { CellAlignment::Left } else { CellAlignment::Right });
     }
     table.lines().map(|line| line.trim_end().to_owned()).collect::<Vec<_>>().join("\n")
-}
-
-/// Headings of the joints' columns, with their units.
-pub(crate) fn joint_columns(joints: &[Joint]) -> impl Iterator<Item = String> {
-    joints.iter().map(|joint| format!("{} [{}]", joint.name, joint.kind.display_unit()))
 }
 
 #[cfg(test)]

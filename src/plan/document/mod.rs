@@ -34,8 +34,8 @@ pub use problem::{
 };
 pub use refusal::{ErrorDocument, FaultDocument, FaultInFile};
 pub use review::{
-    BoundPoint, OtherChoice, Picture, Review, ReviewedPose, Scene, SceneBoard, SceneCamera, SceneJoint, SceneLink,
-    SceneMotion, SceneShape, SceneSolid, SurveyedViews,
+    BoundPoint, NearestLinks, OtherChoice, Picture, Review, ReviewedPose, Scene, SceneBoard, SceneCamera, SceneJoint,
+    SceneLink, SceneMotion, SceneShape, SceneSolid, Silhouette, SurveyedViews,
 };
 pub(crate) use review::{Space, image_share};
 pub use views::views_csv;

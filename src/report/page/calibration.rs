@@ -52,14 +52,12 @@ pub fn calibration_page(calibration: &CalibrationDocument) -> String {
 
 fn intrinsics(calibration: &CalibrationDocument) -> Markup {
     let known = &calibration.intrinsics;
-    let row = |i: usize| {
-        let estimated = calibration.estimated.contains(&known.names[i]);
-        let sigma =
-            if estimated { Cell::Number(short(known.sigma[i]), known.sigma[i]) } else { Cell::Text("fixed".into()) };
-        let value = Cell::Number(format!("{:.6}", known.values[i]), known.values[i]);
-        Row { pose: None, cells: vec![Cell::Text(known.names[i].clone()), value, sigma] }
+    let row = |((name, &value), &sigma): ((&String, &f64), &f64)| {
+        let estimated = calibration.estimated.contains(name);
+        let sigma = if estimated { Cell::Number(short(sigma), sigma) } else { Cell::Text("fixed".into()) };
+        Row { pose: None, cells: vec![Cell::Text(name.clone()), Cell::Number(format!("{value:.6}"), value), sigma] }
     };
-    let rows: Vec<Row> = (0..known.names.len()).map(row).collect();
+    let rows: Vec<Row> = known.names.iter().zip(&known.values).zip(&known.sigma).map(row).collect();
     let header = ["Intrinsic", "Value", "Sigma"].map(String::from);
     html! {
         p { "Lens " code { (calibration.lens) } ", pictures of " (calibration.image.width_px) " × " (calibration.image.height_px) " px." }

@@ -9,7 +9,9 @@ use super::space::space;
 use super::table::{Cell, Row, table};
 use super::{page, plots};
 use crate::figures::{grouped, short};
-use crate::plan::document::{Explanation, Plan, PlannedPose, PoseExplanation, Review, ReviewedPose, SceneJoint};
+use crate::plan::document::{
+    Explanation, NearestLinks, Plan, PlannedPose, PoseExplanation, Review, ReviewedPose, SceneJoint,
+};
 use crate::report::plots::plan_figures;
 use crate::report::{PlanDocuments, outcome};
 
@@ -110,12 +112,18 @@ fn panel(review: &Review, explanation: &Explanation, pose: &ReviewedPose) -> Mar
         ("corners to the border", format!("{:.0} px", pose.picture.margin_px)),
         ("share of the information", percent(pose.share)),
     ]);
+    if !pose.picture.hidden.is_empty() {
+        known.push(("corners hidden", pose.picture.hidden.len().to_string()));
+    }
+    if let Some(NearestLinks { links: [a, b], distance_m }) = &pose.nearest {
+        known.push(("least clearance", format!("{}, {a} – {b}", millimetres(*distance_m))));
+    }
     let explained = explanation.poses.iter().find(|explained| explained.id == pose.id);
     let name = format!("What the camera sees at pose {}", pose.label);
     html! {
         article class="panel" data-pose-panel=(pose.id) {
             h3 { "Pose " (pose.label) }
-            (picture(&review.scene.camera, &pose.picture, &name))
+            (picture(&review.scene, &pose.picture, &name))
             (facts(&known))
             @if let Some(explained) = explained { (worth(explained)) }
         }
@@ -159,6 +167,10 @@ fn poses(plan: &Plan, review: &Review, explanation: &Explanation) -> Markup {
     if stable {
         header.push("To tipping over, mm".into());
     }
+    let tested = review.poses.iter().any(|pose| pose.nearest.is_some());
+    if tested {
+        header.push("Least clearance, mm".into());
+    }
     let number = |value: f64, decimals: usize| Cell::Number(format!("{value:.decimals$}"), value);
     let row = |(pose, planned): (&ReviewedPose, &PlannedPose)| {
         let show = html! {
@@ -182,6 +194,9 @@ fn poses(plan: &Plan, review: &Review, explanation: &Explanation) -> Markup {
         ]);
         if stable {
             cells.push(number(1e3 * planned.stability_margin_m.unwrap_or(f64::NAN), 0));
+        }
+        if tested {
+            cells.push(number(1e3 * pose.nearest.as_ref().map_or(f64::NAN, |nearest| nearest.distance_m), 0));
         }
         Row { pose: Some(pose.id), cells }
     };

@@ -9,7 +9,7 @@ use super::plan::what_views_do;
 use crate::cli::arguments::ProblemArguments;
 use crate::cli::memory::Memory;
 use crate::cli::output::failure::Failure;
-use crate::cli::output::{Screen, grouped};
+use crate::cli::output::{Screen, grouped, wrapped};
 use crate::plan::assess::{Forecast, forecast};
 use crate::plan::survey::diagnose;
 use crate::problem::{Accuracy, Goal, Problem};
@@ -70,7 +70,7 @@ pub(crate) fn run(arguments: &ProblemArguments, screen: &mut Screen) -> Result<(
     if let Some(memory) = memory {
         text += &format!("\n\nWarning: {memory}.");
     }
-    screen.text(&text)
+    screen.text(&wrapped(&text))
 }
 
 /// What would be chosen, and how.

@@ -14,40 +14,64 @@ pub struct Picture {
     pub corners_px: Vec<Option<[f64; 2]>>,
     /// Numbers of the corners that do not count: outside of the picture, or hidden.
     pub unseen: Vec<usize>,
+    /// Those of them that a body hides.
+    pub hidden: Vec<usize>,
+    /// The border of the printed squares, as the lens bends it.
+    pub border_px: Vec<[f64; 2]>,
     /// The dark squares, four points each.
     pub squares_px: Vec<[[f64; 2]; 4]>,
     /// Share of the picture that the corners span.
     pub image_share: f64,
     /// Distance of the corners seen from the picture's nearest side.
     pub margin_px: f64,
+    /// The bodies in the picture, the farthest first.
+    pub bodies: Vec<Silhouette>,
+}
+
+/// A body in a picture.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Silhouette {
+    /// Its link, by its number in the review.
+    pub link: usize,
+    /// Whether it is between the camera and the board's plane.
+    pub before_board: bool,
+    /// Its outline, which may reach beyond the picture.
+    pub outline_px: Vec<[f64; 2]>,
 }
 
 impl Picture {
-    pub(crate) fn new(camera: &Camera, board: &Board, view: &View) -> Self {
+    /// `margin` (px) is how far corners must be from the picture's sides.
+    pub(crate) fn new(camera: &Camera, board: &Board, margin: f64, view: &View, bodies: Vec<Silhouette>) -> Self {
         let project = |point| camera.project(&(view.X_CT * point)).map(<[f64; 2]>::from);
         let corners_px: Vec<_> = board.corners().map(project).collect();
         let seen = |i: usize| view.seen.contains(i);
         // Square (c, r) lies before corner (c, r); those beyond the last corner are of the board, too.
-        let square = |c: usize, r: usize| {
+        let grid = |c: usize, r: usize| {
             let origin = board.corner(0, 0);
-            let at = |dc: usize, dr: usize| {
-                let x = origin.x + ((c + dc) as f64 - 1.0) * board.square;
-                let y = origin.y + ((r + dr) as f64 - 1.0) * board.square;
-                project([x, y, 0.0].into())
-            };
-            Some([at(0, 0)?, at(1, 0)?, at(1, 1)?, at(0, 1)?])
+            let x = origin.x + (c as f64 - 1.0) * board.square;
+            let y = origin.y + (r as f64 - 1.0) * board.square;
+            project([x, y, 0.0].into())
         };
+        let square = |c: usize, r: usize| Some([grid(c, r)?, grid(c + 1, r)?, grid(c + 1, r + 1)?, grid(c, r + 1)?]);
+        let (right, bottom) = (board.columns + 1, board.rows + 1);
+        let border = (0..right).map(|c| (c, 0)).chain((0..bottom).map(|r| (right, r)));
+        let border = border.chain((1..=right).rev().map(|c| (c, bottom))).chain((1..=bottom).rev().map(|r| (0, r)));
         let places = (0..=board.rows).flat_map(|r| (0..=board.columns).map(move |c| (c, r)));
         let (width, height) = (f64::from(camera.width()), f64::from(camera.height()));
-        let margin = |&[u, v]: &[f64; 2]| u.min(v).min(width - 1.0 - u).min(height - 1.0 - v);
+        let to_side = |&[u, v]: &[f64; 2]| u.min(v).min(width - 1.0 - u).min(height - 1.0 - v);
         let counted =
             || corners_px.iter().enumerate().filter(|&(i, _)| seen(i)).filter_map(|(_, corner)| corner.as_ref());
+        let unseen: Vec<usize> = (0..corners_px.len()).filter(|&i| !seen(i)).collect();
+        let inside = |i: &&usize| corners_px[**i].is_some_and(|corner| camera.contains(&corner.into(), margin));
         Self {
-            unseen: (0..corners_px.len()).filter(|&i| !seen(i)).collect(),
+            hidden: unseen.iter().filter(inside).copied().collect(),
+            unseen,
+            border_px: border.filter_map(|(c, r)| grid(c, r)).collect(),
             squares_px: places.filter(|(c, r)| (c + r) % 2 == 0).filter_map(|(c, r)| square(c, r)).collect(),
             image_share: spanned(&corners_px, board) / (width * height),
-            margin_px: counted().map(margin).fold(f64::INFINITY, f64::min),
+            margin_px: counted().map(to_side).fold(f64::INFINITY, f64::min),
             corners_px,
+            bodies,
         }
     }
 }
