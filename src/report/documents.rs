@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::plan::document::{Explanation, Plan, Review, Scene, SurveyedViews, Verification};
+use crate::plan::document::{ErrorGrid, Explanation, Plan, Review, Scene, SurveyedViews, Verification};
 
 /// The documents that the report of a plan is made of.
 #[derive(Debug, Clone, Copy)]
@@ -43,7 +43,8 @@ impl<'a> PlanDocuments<'a> {
         let p = known.names.len();
         let joints = review.scene.joints.len();
         let correlation = &review.correlation;
-        let mut maps = review.error_map.iter().chain(review.others.iter().filter_map(|other| other.error_map.as_ref()));
+        let own = review.error_map.iter().chain(&review.error_map_before);
+        let mut maps = own.chain(review.others.iter().filter_map(|other| other.error_map.as_ref()));
         lengths("intrinsics", known.nominal.len() == p && known.sigma.len() == p)?;
         lengths("views", of_one_length(&review.views))?;
         let joint_values = |values: &[f64]| values.len() == joints;
@@ -53,7 +54,7 @@ impl<'a> PlanDocuments<'a> {
         )?;
         let square = correlation.len() == p && correlation.iter().all(|row| row.len() == p);
         lengths("correlation", correlation.is_empty() || square)?;
-        lengths("error_map", maps.all(crate::plan::document::ErrorGrid::is_regular))?;
+        lengths("error_map", maps.all(ErrorGrid::is_regular))?;
         if let Some(key) = dangling(&review.scene) {
             return Err(Disagreement::Names(key));
         }

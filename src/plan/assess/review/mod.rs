@@ -37,6 +37,7 @@ pub fn review(plan: &Plan, chooser: &Chooser, selected: &[usize]) -> Result<Revi
     let (other, _) = median_choice(chooser, Method::KMeansJoints, plan.count, plan.seed, SEEDS)?;
     let covariance = |choice: &Choice| inverse(&chooser.information(&choice.selected));
     let known = covariance(&chosen);
+    let map = |known: &DMatrix<f64>| ErrorGrid::new(&problem.unknowns(), known);
     let scene = Scene::new(problem);
     let collision = (!scene.solids.is_empty()).then(|| Collision::new(&problem.robot, problem.clearance));
     Ok(Review {
@@ -57,11 +58,12 @@ pub fn review(plan: &Plan, chooser: &Chooser, selected: &[usize]) -> Result<Revi
             method: Method::KMeansJoints.name().into(),
             ids: other.selected.iter().map(|&i| survey.views[i].id).collect(),
             map_error_px: finite(other.map_error),
-            error_map: covariance(&other).map(|known| ErrorGrid::new(&problem.unknowns(), &known)),
+            error_map: covariance(&other).as_ref().map(map),
         }],
         curve: curve::curve(plan, chooser)?,
         correlation: known.as_ref().map(correlation).unwrap_or_default(),
-        error_map: known.as_ref().map(|known| ErrorGrid::new(&problem.unknowns(), known)),
+        error_map: known.as_ref().map(map),
+        error_map_before: inverse(&chooser.information(&[])).as_ref().map(map),
         scene,
     })
 }

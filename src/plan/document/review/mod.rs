@@ -43,6 +43,8 @@ pub struct Review {
     pub correlation: Vec<Vec<f64>>,
     /// The map error over the image; `null` where the plan leaves something undetermined.
     pub error_map: Option<ErrorGrid>,
+    /// The same before the plan, by what is known without it; `null` where that leaves something undetermined.
+    pub error_map_before: Option<ErrorGrid>,
 }
 
 impl Document for Review {
