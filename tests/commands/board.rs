@@ -121,7 +121,7 @@ fn a_page_that_does_not_do_is_refused_with_one_that_does() {
 fn pages_of_an_earlier_run_that_are_no_more_are_removed() {
     let desk = Desk::new();
     desk.stdout("board coarse.toml --tile --page A5 -o out -q");
-    assert!(desk.files("out").contains(&"coarse-board-row3-column2.svg".to_owned()), "{:?}", desk.files("out"));
+    assert!(desk.files("out").contains(&"coarse-board-row2-column4.svg".to_owned()), "{:?}", desk.files("out"));
     // Somebody's own, and another board's.
     fs::write(desk.path("out/coarse-board-row9-column9.svg"), "<svg/>").unwrap();
     desk.stdout("board coarse.toml --page A3 -o out/coarse-board-2.svg -q");

@@ -129,26 +129,24 @@ fn what_is_no_plan_of_the_problem_has_no_report() {
 #[test]
 fn a_mesh_that_is_gone_is_named() {
     let desk = Desk::new();
-    for folder in ["urdf", "meshes"] {
-        fs::create_dir(desk.path(folder)).unwrap();
-    }
+    fs::create_dir(desk.path("urdf")).unwrap();
     // The hand's box as a mesh.
     let urdf = fs::read_to_string("problems/urdf/six-axis-rover.urdf").unwrap();
     let (before, hand) = urdf.split_at(urdf.find("<link name=\"hand\">").unwrap());
     let start =
         hand.find("<collision>").unwrap() + hand[hand.find("<collision>").unwrap()..].find("<geometry>").unwrap();
     let end = hand.find("</collision>").unwrap();
-    let mesh = "<geometry><mesh filename=\"../meshes/hand.obj\"/></geometry>";
+    let mesh = "<geometry><mesh filename=\"hand.obj\"/></geometry>";
     fs::write(desk.path("urdf/six-axis-rover.urdf"), [before, &hand[..start], mesh, &hand[end..]].concat()).unwrap();
     let corners: String = (0..8).map(|i| format!("v {} {} {}\n", i & 1, i >> 1 & 1, i >> 2)).collect();
     let small = corners.replace('1', "0.02");
-    fs::write(desk.path("meshes/hand.obj"), format!("{small}f 1 2 4\nf 5 6 8\nf 1 5 7\nf 2 6 8\n")).unwrap();
+    fs::write(desk.path("urdf/hand.obj"), format!("{small}f 1 2 4\nf 5 6 8\nf 1 5 7\nf 2 6 8\n")).unwrap();
     fs::copy("problems/six-axis-rover.toml", desk.path("rover.toml")).unwrap();
     desk.stdout("plan rover.toml -q --set sweep.sample=40000 --set sweep.refine=0 -k 6 --trials 0 -o out");
     let page = fs::read_to_string(desk.path("out/report.html")).unwrap();
     assert!(page.contains("\"kind\":\"mesh\"") && page.contains("least clearance"));
     let before = desk.files("out");
-    fs::remove_file(desk.path("meshes/hand.obj")).unwrap();
+    fs::remove_file(desk.path("urdf/hand.obj")).unwrap();
     for command in ["report", "figures"] {
         let told = desk.complaint(&format!("{command} out/plan.json"), 3);
         assert!(told.contains("hand.obj"), "{told}");
@@ -177,6 +175,8 @@ fn a_picture_shows_what_hides_the_board() {
         let hidden = picture["hidden"].as_array().unwrap();
         let unseen = picture["unseen"].as_array().unwrap();
         assert!(hidden.iter().all(|corner| unseen.contains(corner)), "{picture}");
+        let share = picture["image_share"].as_f64().unwrap();
+        assert!((0.0..1.0).contains(&share), "of the corners seen: {share}");
         assert!(pose["nearest"]["distance_m"].as_f64().unwrap() >= 0.0, "{pose}");
     }
     assert!(before > 0 && behind > 0, "{before} {behind}");
@@ -308,7 +308,7 @@ fn the_summary_fits_a_terminal_and_says_the_verdict_first() {
         "reach problems/servosila-engineer-bodies.toml --position-mm 200,0,600 --rpy-deg 180,0,0".into(),
     ];
     let others: String = others.iter().map(|line| text(&command(&here, line).output().unwrap().stdout)).collect();
-    for words in ["Joints: j1 joint_1 [deg]", "Loss in %", "Collision: none.", "publ. Q"] {
+    for words in ["Joints: j1 joint_1, ", "Loss in %", "Collision: none.", "publ. Q"] {
         assert!(others.contains(words), "{words}: {others}");
     }
     for line in told

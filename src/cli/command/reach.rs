@@ -139,7 +139,8 @@ pub(crate) fn run(arguments: &ReachArguments, screen: &mut Screen) -> Result<(),
         (true, n) => format!("{n} configurations take the pose; those farthest from joint limits first"),
         (false, _) => "no configuration found takes the pose; the nearest".to_owned(),
     };
-    screen.text(&format!("{}: {verdict}:\n\n{}", problem.name, configurations(&problem, &found, &in_the_way)))?;
+    let verdict = wrapped(&format!("{}: {verdict}:", problem.name));
+    screen.text(&format!("{verdict}\n\n{}", configurations(&problem, &found, &in_the_way)))?;
     match &found[..] {
         [nearest, ..] if !reached => Err(Failure::Unreached {
             position_error: nearest.position_error,

@@ -12,8 +12,8 @@ pub(crate) struct Heading {
     pub(crate) brief: &'static str,
 }
 
-/// Rows of the columns `before`, of one for each joint, and of those `after`. Where names are too wide, joints have numbers that
-/// a line before the table explains, with `legend` on the brief headings.
+/// Rows of the columns `before`, of one for each joint, and of those `after`. Where units in the headings are too wide, a line before
+/// the table says them, with `legend` on the brief headings; where names are too wide as well, joints have numbers that it explains.
 pub(crate) fn joint_table(
     joints: &[Joint],
     before: &[Heading],
@@ -21,21 +21,30 @@ pub(crate) fn joint_table(
     legend: &str,
     rows: &[Vec<String>],
 ) -> String {
-    let header = |joint: &dyn Fn(usize, &Joint) -> String, heading: fn(&Heading) -> &'static str| -> Vec<String> {
-        let joints = joints.iter().enumerate().map(|(i, each)| joint(i, each));
+    let header = |names: Vec<String>, heading: fn(&Heading) -> &'static str| -> Vec<String> {
         let others = |headings: &[Heading]| headings.iter().map(|each| heading(each).to_owned()).collect::<Vec<_>>();
-        others(before).into_iter().chain(joints).chain(others(after)).collect()
+        others(before).into_iter().chain(names).chain(others(after)).collect()
     };
-    let named = header(&|_, joint| format!("{} [{}]", joint.name, joint.kind.display_unit()), |heading| heading.full);
-    let full = table(&named, rows);
-    if full.lines().all(|line| line.chars().count() <= WIDTH) {
+    let unit = |joint: &Joint| joint.kind.display_unit();
+    let with_units = joints.iter().map(|joint| format!("{} [{}]", joint.name, unit(joint))).collect();
+    let full = table(&header(with_units, |heading| heading.full), rows);
+    if fits(&full) {
         return full;
     }
-    let names: Vec<String> = joints
-        .iter()
-        .enumerate()
-        .map(|(i, joint)| format!("j{} {} [{}]", i + 1, joint.name, joint.kind.display_unit()))
-        .collect();
-    let numbered = header(&|i, _| format!("j{}", i + 1), |heading| heading.brief);
-    format!("{}\n\n{}", wrapped(&format!("Joints: {}. {legend}", names.join(", "))), tight_table(&numbered, rows))
+    let in_mm: Vec<&str> = joints.iter().filter(|joint| unit(joint) == "mm").map(|joint| joint.name.as_str()).collect();
+    let but = if in_mm.is_empty() { String::new() } else { format!(" ({} in mm)", in_mm.join(", ")) };
+    let legend = format!("Joint values in degrees{but}. {legend}");
+    let names: Vec<String> = joints.iter().map(|joint| joint.name.clone()).collect();
+    let named = table(&header(names.clone(), |heading| heading.brief), rows);
+    if fits(&named) {
+        return format!("{}\n\n{named}", wrapped(&legend));
+    }
+    let numbers: Vec<String> = (1..=joints.len()).map(|i| format!("j{i}")).collect();
+    let numbered = tight_table(&header(numbers.clone(), |heading| heading.brief), rows);
+    let who: Vec<String> = numbers.iter().zip(&names).map(|(number, name)| format!("{number} {name}")).collect();
+    format!("{}\n\n{numbered}", wrapped(&format!("{legend} Joints: {}.", who.join(", "))))
+}
+
+fn fits(table: &str) -> bool {
+    table.lines().all(|line| line.chars().count() <= WIDTH)
 }

@@ -127,7 +127,11 @@ pub(crate) fn wrapped(text: &str) -> String {
         characters[i] == ' ' && i > 0 && digit(i - 1) && (unit || (1..=3).all(|next| digit(i + next)))
     };
     let bound = (0..characters.len()).map(|i| if joined(i) { '\u{a0}' } else { characters[i] }).collect::<String>();
-    let options = textwrap::Options::new(WIDTH).break_words(false).word_splitter(textwrap::WordSplitter::NoHyphenation);
+    // Pairs of links, joined by a dash, keep together too.
+    let options = textwrap::Options::new(WIDTH)
+        .break_words(false)
+        .word_separator(textwrap::WordSeparator::AsciiSpace)
+        .word_splitter(textwrap::WordSplitter::NoHyphenation);
     textwrap::fill(&bound, options).replace('\u{a0}', " ")
 }
 

@@ -106,8 +106,9 @@ impl Surface {
         let corners = || self.0.iter().flatten();
         let middle = corners().map(|p| p.coords).sum::<Vector3<f64>>() / corners().count().max(1) as f64;
         self.0.iter().all(|face| {
-            let [a, b, c, ..] = face[..] else { return true };
-            let normal = (b - a).cross(&(c - a));
+            let Some(a) = face.first() else { return true };
+            // Newell's: corners that coincide do no harm.
+            let normal: Vector3<f64> = face.windows(2).map(|edge| (edge[0] - a).cross(&(edge[1] - a))).sum();
             let (middle, origin) = (normal.dot(&(middle - a.coords)), -normal.dot(&a.coords));
             middle * origin >= 0.0
         })

@@ -1,11 +1,12 @@
 //! What the camera sees from a pose.
 
+use nalgebra::{Point2, Point3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::camera::Camera;
-use crate::feasibility::View;
-use crate::target::Board;
+use crate::feasibility::{View, convex_hull};
+use crate::target::{Board, Corners};
 
 /// The board in the picture, px; pixel (0, 0) is the centre of the top-left pixel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -20,7 +21,7 @@ pub struct Picture {
     pub border_px: Vec<[f64; 2]>,
     /// The dark squares, four points each.
     pub squares_px: Vec<[[f64; 2]; 4]>,
-    /// Share of the picture that the corners span.
+    /// Share of the picture that the corners seen span.
     pub image_share: f64,
     /// Distance of the corners seen from the picture's nearest side.
     pub margin_px: f64,
@@ -68,7 +69,7 @@ impl Picture {
             unseen,
             border_px: border.filter_map(|(c, r)| grid(c, r)).collect(),
             squares_px: places.filter(|(c, r)| (c + r) % 2 == 0).filter_map(|(c, r)| square(c, r)).collect(),
-            image_share: spanned(&corners_px, board) / (width * height),
+            image_share: image_share(camera, board, view),
             margin_px: counted().map(to_side).fold(f64::INFINITY, f64::min),
             corners_px,
             bodies,
@@ -76,20 +77,33 @@ impl Picture {
     }
 }
 
-/// Area of the quadrilateral of the outermost corners, px²; 0 where the lens does not show all four.
-fn spanned(corners: &[Option<[f64; 2]>], board: &Board) -> f64 {
-    let last = board.columns * (board.rows - 1);
-    let outermost = [0, board.columns - 1, last + board.columns - 1, last].map(|i| corners[i]);
+/// Area in px² of the quadrilateral of the outermost corners, a b c d around, of a view that sees all; 0 where the lens does not show
+/// all four.
+fn spanned(outermost: [Option<[f64; 2]>; 4]) -> f64 {
     let [Some(a), Some(b), Some(c), Some(d)] = outermost else { return 0.0 };
-    let around = [(a, b), (b, c), (c, d), (d, a)];
-    0.5 * around.iter().map(|(p, q)| p[0] * q[1] - p[1] * q[0]).sum::<f64>().abs()
+    area([a, b, c, d].into_iter())
 }
 
-/// As [`Picture::image_share`], of any view.
+/// Area of a polygon, px².
+fn area(corners: impl ExactSizeIterator<Item = [f64; 2]> + Clone) -> f64 {
+    let next = corners.clone().cycle().skip(1);
+    0.5 * corners.zip(next).map(|(p, q)| p[0] * q[1] - p[1] * q[0]).sum::<f64>().abs()
+}
+
+/// Share of the picture that the corners seen span.
 pub(crate) fn image_share(camera: &Camera, board: &Board, view: &View) -> f64 {
-    let project = |(column, row)| camera.project(&(view.X_CT * board.corner(column, row))).map(<[f64; 2]>::from);
+    let project = |corner: &Point3<f64>| camera.project(&(view.X_CT * corner)).map(<[f64; 2]>::from);
     let (c, r) = (board.columns - 1, board.rows - 1);
-    let corners = [(0, 0), (c, 0), (0, r), (c, r)].map(project);
-    let two = Board { columns: 2, rows: 2, ..*board };
-    spanned(&corners, &two) / (f64::from(camera.width()) * f64::from(camera.height()))
+    let area = match &view.seen {
+        Corners::All => {
+            spanned([(0, 0), (c, 0), (c, r), (0, r)].map(|(column, row)| project(&board.corner(column, row))))
+        }
+        Corners::Some(indices) => {
+            let corners: Vec<Point3<f64>> = board.corners().collect();
+            let seen = indices.iter().filter_map(|&i| project(corners.get(i)?));
+            let hull = convex_hull(&seen.map(Point2::from).collect::<Vec<_>>());
+            area(hull.iter().map(|corner| [corner.x, corner.y]))
+        }
+    };
+    area / (f64::from(camera.width()) * f64::from(camera.height()))
 }
