@@ -15,9 +15,11 @@ mod visibility;
 
 pub use collision::{Close, Collision, LinkPair, LinkPairs};
 pub use hull::{Simplified, simplify_hulls};
+pub(crate) use occlusion::FLUSH;
 pub use occlusion::Occlusion;
 pub use rejection::Rejection;
 pub use shortfall::{Measures, Sighting, VisibilityTest};
+pub(crate) use stability::convex_hull;
 pub use stability::{Stability, StabilityError};
 pub use views::{Checks, View, feasible_views};
 pub use visibility::VisibilityLimits;

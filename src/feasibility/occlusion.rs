@@ -8,7 +8,7 @@ use crate::spatial::Pose;
 
 /// A body that rises no farther than this above the board's plane, in m, hides nothing: the board itself, and what it lies
 /// on.
-const FLUSH: f64 = 1e-3;
+pub(crate) const FLUSH: f64 = 1e-3;
 
 /// What stands between the camera and the board.
 #[derive(Debug, Clone, PartialEq)]

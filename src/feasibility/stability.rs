@@ -128,7 +128,7 @@ impl Stability {
 }
 
 /// Corners of the convex hull, counterclockwise (Andrew's monotone chain); fewer than three if it has no area.
-fn convex_hull(points: &[Point2<f64>]) -> Vec<Point2<f64>> {
+pub(crate) fn convex_hull(points: &[Point2<f64>]) -> Vec<Point2<f64>> {
     let mut points = points.to_vec();
     points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     let size = points.iter().map(|p| (p - points[0]).norm()).fold(0.0, f64::max);

@@ -8,7 +8,7 @@ use kuva::plot::scatter::MarkerShape;
 use kuva::plot::{ColorMap, ForestPlot, Heatmap, LinePlot, QuiverPlot, SankeyPlot, ScatterPlot};
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
-use kuva::render::render::{Scene, render_multiple};
+use kuva::render::render::{Primitive, Scene, render_multiple};
 use kuva::render::theme::Theme;
 use thiserror::Error;
 
@@ -111,8 +111,25 @@ pub fn svg(figure: &Figure, style: &Style) -> String {
 /// # Errors
 /// When the picture cannot be encoded.
 pub fn png(figure: &Figure, style: &Style, dpi: f64) -> Result<Vec<u8>, DrawingError> {
-    let backend = PngBackend::new().with_scale((dpi / PX_PER_INCH) as f32);
-    backend.render_scene(&scene(figure, style)).map_err(DrawingError)
+    let scale = dpi / PX_PER_INCH;
+    let mut scene = scene(figure, style);
+    scale_dashes(&mut scene, scale);
+    PngBackend::new().with_scale(scale as f32).render_scene(&scene).map_err(DrawingError)
+}
+
+/// Makes dashes longer: kuva takes their lengths as dots of the picture, all other lengths as px of the style.
+fn scale_dashes(scene: &mut Scene, scale: f64) {
+    for element in &mut scene.elements {
+        let dashes = match element {
+            Primitive::Line { stroke_dasharray, .. } | Primitive::PolyLine { stroke_dasharray, .. } => stroke_dasharray,
+            Primitive::Path(path) => &mut path.stroke_dasharray,
+            _ => continue,
+        };
+        if let Some(dashes) = dashes {
+            let lengths = dashes.split([' ', ',']).filter_map(|length| length.parse::<f64>().ok());
+            *dashes = lengths.map(|length| (scale * length).to_string()).collect::<Vec<_>>().join(" ");
+        }
+    }
 }
 
 /// Why a figure has no picture.
@@ -240,5 +257,35 @@ fn fitted(content: &Content, layout: Layout) -> Layout {
         Content::Matrix { names, .. } => {
             layout.with_x_categories(names.clone()).with_y_categories(names.iter().rev().cloned().collect())
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dashes_are_as_long_in_a_picture_as_in_a_drawing() {
+        let line = Series {
+            name: "bound".into(),
+            hue: Hue::Bound,
+            mark: Mark::Line(Line::Dashed),
+            points: vec![(0.0, 0.0), (1.0, 1.0)],
+            titles: vec![],
+        };
+        let figure = Figure {
+            name: "line".into(),
+            title: String::new(),
+            caption: String::new(),
+            x: String::new(),
+            y: String::new(),
+            content: Content::Series(vec![line]),
+        };
+        let style = Style::paper(50.0, 40.0, 8.0);
+        assert!(svg(&figure, &style).contains("stroke-dasharray=\"8 4\""));
+        let mut scene = scene(&figure, &style);
+        scale_dashes(&mut scene, 3.0);
+        let scaled = SvgBackend::new().render_scene(&scene);
+        assert!(scaled.contains("\"24 12\"") && !scaled.contains("\"8 4\""), "{scaled}");
     }
 }

@@ -118,6 +118,27 @@ fn a_page_that_does_not_do_is_refused_with_one_that_does() {
 }
 
 #[test]
+fn pages_of_an_earlier_run_that_are_no_more_are_removed() {
+    let desk = Desk::new();
+    desk.stdout("board coarse.toml --tile --page A5 -o out -q");
+    assert!(desk.files("out").contains(&"coarse-board-row2-column4.svg".to_owned()), "{:?}", desk.files("out"));
+    // Somebody's own, and another board's.
+    fs::write(desk.path("out/coarse-board-row9-column9.svg"), "<svg/>").unwrap();
+    desk.stdout("board coarse.toml --page A3 -o out/coarse-board-2.svg -q");
+    let others = ["coarse-board-2.svg", "coarse-board-row9-column9.svg"];
+    desk.stdout("board coarse.toml --tile --format pdf -o out -q");
+    assert!(desk.files("out").len() > 6, "no SVG was written in place of those: {:?}", desk.files("out"));
+    desk.stdout("board coarse.toml --tile -o out -q");
+    let tiles =
+        [(1, 1), (1, 2), (2, 1), (2, 2)].map(|(row, column)| format!("coarse-board-row{row}-column{column}.svg"));
+    let mut left: Vec<String> = others.into_iter().chain(["coarse-board.pdf"]).map(String::from).chain(tiles).collect();
+    left.sort();
+    assert_eq!(desk.files("out"), left);
+    desk.stdout("board coarse.toml -o out -q");
+    assert_eq!(desk.files("out"), [others[0], others[1], "coarse-board.pdf", "coarse-board.svg"]);
+}
+
+#[test]
 fn files_of_others_are_not_replaced_and_those_of_this_command_are() {
     let desk = Desk::new();
     desk.stdout("board coarse.toml -o out");

@@ -2,10 +2,12 @@
 
 use std::fs;
 
+use calipose::plan::document::{Explanation, Plan, Review};
+use calipose::report::{Disagreement, PlanDocuments, plan_drawings, plan_figures, plan_page};
 use roxmltree::Document;
 use serde_json::Value;
 
-use crate::desk::{Desk, stdout, text};
+use crate::desk::{Desk, command, stdout, text};
 
 fn planned() -> (Desk, Value) {
     let desk = Desk::new();
@@ -125,6 +127,99 @@ fn what_is_no_plan_of_the_problem_has_no_report() {
 }
 
 #[test]
+fn a_mesh_that_is_gone_is_named() {
+    let desk = Desk::new();
+    fs::create_dir(desk.path("urdf")).unwrap();
+    // The hand's box as a mesh.
+    let urdf = fs::read_to_string("problems/urdf/six-axis-rover.urdf").unwrap();
+    let (before, hand) = urdf.split_at(urdf.find("<link name=\"hand\">").unwrap());
+    let start =
+        hand.find("<collision>").unwrap() + hand[hand.find("<collision>").unwrap()..].find("<geometry>").unwrap();
+    let end = hand.find("</collision>").unwrap();
+    let mesh = "<geometry><mesh filename=\"hand.obj\"/></geometry>";
+    fs::write(desk.path("urdf/six-axis-rover.urdf"), [before, &hand[..start], mesh, &hand[end..]].concat()).unwrap();
+    let corners: String = (0..8).map(|i| format!("v {} {} {}\n", i & 1, i >> 1 & 1, i >> 2)).collect();
+    let small = corners.replace('1', "0.02");
+    fs::write(desk.path("urdf/hand.obj"), format!("{small}f 1 2 4\nf 5 6 8\nf 1 5 7\nf 2 6 8\n")).unwrap();
+    fs::copy("problems/six-axis-rover.toml", desk.path("rover.toml")).unwrap();
+    desk.stdout("plan rover.toml -q --set sweep.sample=40000 --set sweep.refine=0 -k 6 --trials 0 -o out");
+    let page = fs::read_to_string(desk.path("out/report.html")).unwrap();
+    assert!(page.contains("\"kind\":\"mesh\"") && page.contains("least clearance"));
+    let before = desk.files("out");
+    fs::remove_file(desk.path("urdf/hand.obj")).unwrap();
+    for command in ["report", "figures"] {
+        let told = desk.complaint(&format!("{command} out/plan.json"), 3);
+        assert!(told.contains("hand.obj"), "{told}");
+    }
+    assert_eq!(desk.files("out"), before);
+    assert!(page == fs::read_to_string(desk.path("out/report.html")).unwrap());
+}
+
+#[test]
+fn a_picture_shows_what_hides_the_board() {
+    let desk = Desk::new();
+    let problem = std::path::absolute("problems/servosila-engineer-bodies.toml").unwrap();
+    desk.run(&format!(
+        "plan {} -q --set sweep.step_deg=15 -k 6 --trials 0 --set visibility.min_corners=20 -o out",
+        problem.display()
+    ));
+    let review = desk.json(&format!("report out/plan.json --problem {} --json", problem.display()));
+    let poses = review["poses"].as_array().unwrap();
+    let [mut before, mut behind] = [0, 0];
+    for pose in poses {
+        let picture = &pose["picture"];
+        for body in picture["bodies"].as_array().unwrap() {
+            assert!(body["outline_px"].as_array().unwrap().len() >= 3, "{body}");
+            *(if body["before_board"] == true { &mut before } else { &mut behind }) += 1;
+        }
+        let hidden = picture["hidden"].as_array().unwrap();
+        let unseen = picture["unseen"].as_array().unwrap();
+        assert!(hidden.iter().all(|corner| unseen.contains(corner)), "{picture}");
+        let share = picture["image_share"].as_f64().unwrap();
+        assert!((0.0..1.0).contains(&share), "of the corners seen: {share}");
+        assert!(pose["nearest"]["distance_m"].as_f64().unwrap() >= 0.0, "{pose}");
+    }
+    assert!(before > 0 && behind > 0, "{before} {behind}");
+}
+
+#[test]
+fn documents_that_do_not_agree_have_no_plots() {
+    let (desk, plan) = planned();
+    let explanation: Explanation = serde_json::from_str(&desk.stdout("explain out/plan.json --most 1 --json")).unwrap();
+    let review = desk.json("report out/plan.json --json");
+    let plan: Plan = serde_json::from_value(plan).unwrap();
+    let figures = |review: &Value| -> Result<usize, Disagreement> {
+        let review: Review = serde_json::from_value(review.clone()).unwrap();
+        let documents = PlanDocuments::new(&plan, &review, &explanation, None)?;
+        assert!(plan_page(&documents).len() > 100_000);
+        Ok(plan_figures(&documents).len() + plan_drawings(&documents).len())
+    };
+    assert_eq!(figures(&review), Ok(12));
+    for (pointer, disagreement) in [
+        ("/views/tilt_deg/0", Disagreement::Lengths("views")),
+        ("/views/positions_m/0", Disagreement::Lengths("views")),
+        ("/poses/1/joints/0", Disagreement::Lengths("poses")),
+        ("/correlation/0", Disagreement::Lengths("correlation")),
+        ("/correlation/2/0", Disagreement::Lengths("correlation")),
+        ("/error_map/error_px/0", Disagreement::Lengths("error_map")),
+        ("/others/0/error_map/v_px/0", Disagreement::Lengths("error_map")),
+        ("/joints/0", Disagreement::Lengths("poses")),
+        ("/links/3", Disagreement::Names("links")),
+        ("/poses/0", Disagreement::Poses),
+    ] {
+        let mut changed = review.clone();
+        let (list, index) = pointer.rsplit_once('/').unwrap();
+        changed.pointer_mut(list).unwrap().as_array_mut().unwrap().remove(index.parse().unwrap());
+        assert_eq!(figures(&changed), Err(disagreement), "{pointer}");
+    }
+    for (key, name) in [("camera_link", "camera_link"), ("base_link", "base_link")] {
+        let mut changed = review.clone();
+        changed[key] = 99.into();
+        assert_eq!(figures(&changed), Err(Disagreement::Names(name)));
+    }
+}
+
+#[test]
 fn other_documents_have_pages_too() {
     let (desk, _) = planned();
     let page = |name: &str| fs::read_to_string(desk.path(name)).unwrap();
@@ -203,7 +298,24 @@ fn the_summary_fits_a_terminal_and_says_the_verdict_first() {
     let here = std::env::current_dir().unwrap();
     let seven = stdout(&here, &format!("{seven} {}", folder.path().display()));
     assert!(seven.contains("Joints: j1 "), "{seven}");
-    for line in told.lines().chain(seven.lines()).filter(|line| !line.contains("Written to") && !line.starts_with('/'))
+    let plan = format!("{}/plan.json", folder.path().display());
+    let seven_axis = "problems/seven-axis-carrier.toml";
+    let others = [
+        format!("explain {plan} --most 2 --spares 2"),
+        format!("reach {seven_axis} --distance-mm 400"),
+        format!("check {seven_axis}"),
+        "sweep problems/servosila-engineer.toml --step 10,20".into(),
+        "reach problems/servosila-engineer-bodies.toml --position-mm 200,0,600 --rpy-deg 180,0,0".into(),
+    ];
+    let others: String = others.iter().map(|line| text(&command(&here, line).output().unwrap().stdout)).collect();
+    for words in ["Joints: j1 joint_1, ", "Loss in %", "Collision: none.", "publ. Q"] {
+        assert!(others.contains(words), "{words}: {others}");
+    }
+    for line in told
+        .lines()
+        .chain(seven.lines())
+        .chain(others.lines())
+        .filter(|line| !line.contains("Written to") && !line.starts_with('/'))
     {
         assert!(line.chars().count() <= 80, "{} columns: {line}", line.chars().count());
     }

@@ -173,7 +173,7 @@ fn plan_json(desk: &Desk) -> Value {
 fn check_and_plan_say_that_nothing_is_tested_where_nothing_has_a_body() {
     let arm = desk(WITHOUT_BODIES, "");
     let said = "Collision: NOT tested (no bodies)";
-    assert!(arm.stdout("check arm.toml").contains(said));
+    assert!(arm.prose("check arm.toml").contains(said));
     let text = arm.prose("plan arm.toml -o out --trials 0");
     assert!(text.contains(said) && text.contains("[[scene.bodies]]"), "{text}");
     assert!(!text.contains("can be taken"), "{text}");
@@ -198,7 +198,7 @@ fn cells_that_are_not_modelled_are_said_to_be_so_until_there_are_obstacles() {
         CAPSULES.replace("clearance_mm = 10", "clearance_mm = 1").replace("[2000, 2000, 20]", "[150, 150, 20]");
     let said = "The cell is NOT modelled: add [[scene.bodies]]";
     let bare = desk(&capsules, "");
-    assert!(bare.stdout("check arm.toml").contains(said));
+    assert!(bare.prose("check arm.toml").contains(said));
     assert!(bare.prose("plan arm.toml -o out --trials 0").contains(said));
     assert_eq!(plan_json(&bare)["collision"]["scene"], json!([]));
     let table = "[[scene.bodies]]\nname = \"table\"\nbox_mm = [2000, 2000, 20]\npose = { position_mm = [0, 0, -15] }";
@@ -227,7 +227,7 @@ fn cells_that_are_not_modelled_are_said_to_be_so_until_there_are_obstacles() {
 fn refusals_name_the_pairs_that_are_always_within_the_clearance_and_the_remedy() {
     let arm = desk(CAPSULES, "");
     let remedy = "if they cannot touch, `ignore = [[\"wrist_1_joint\", \"wrist_3_joint\"]]` under [collision]";
-    let text = arm.stdout("check arm.toml");
+    let text = arm.prose("check arm.toml");
     assert!(text.contains("within the clearance of 10.00 mm in every one of 1000 random configurations"), "{text}");
     assert!(text.contains(remedy), "{text}");
     let close = &arm.json("check arm.toml --json")["self_collision"]["always_within_clearance"];
@@ -248,7 +248,7 @@ fn refusals_name_the_pairs_that_are_always_within_the_clearance_and_the_remedy()
 fn reach_tells_which_links_its_configurations_bring_together() {
     let look = "reach arm.toml --distance-mm 400 --tilt-deg 20 -n 8";
     let free = desk(WITHOUT_BODIES, "");
-    assert!(free.stdout(look).contains("Collision: NOT tested (no bodies)"));
+    assert!(free.prose(look).contains("Collision: NOT tested (no bodies)"));
     assert_eq!(free.json(&format!("{look} --json"))["collision_tested"], false);
     // A floor 150 mm up, in which the shoulder always is.
     let floor = FLOOR.replace("-2001", "-1850");
@@ -265,13 +265,13 @@ fn reach_tells_which_links_its_configurations_bring_together() {
         assert!(!into_the_floor(&q) || configuration["collision"].is_array(), "{configuration}");
     }
     assert!(deep > 0 && found.iter().any(|configuration| configuration["collision"].is_null()), "{document}");
-    assert!(arm.stdout(look).contains("–floor"));
+    assert!(arm.prose(look).contains("–floor"));
 }
 
 #[test]
 fn check_says_which_way_is_up_in_the_picture() {
     let arm = desk(WITHOUT_BODIES, "");
-    let text = arm.stdout("check arm.toml");
+    let text = arm.prose("check arm.toml");
     // All at 0: the arm is stretched along −x, and its last z points along −y.
     let said = "Camera: on the flange it looks along +z, up in the picture is -y; with every joint mid-range it looks along -y of the base, \
                 up is ";
@@ -280,7 +280,7 @@ fn check_says_which_way_is_up_in_the_picture() {
         &WITHOUT_BODIES.replace("mount = { position_mm = [0, -60, 30], rpy_deg = [0, 0, 0] }", "mount = \"ros-body\""),
         "",
     );
-    assert!(mounted.stdout("check arm.toml").contains("looks along +x, up in the picture is +z"));
+    assert!(mounted.prose("check arm.toml").contains("looks along +x, up in the picture is +z"));
     let camera = &mounted.json("check arm.toml --json")["camera"]["on_flange"];
     let near =
         |value: &Value, expected: [f64; 3]| (0..3).all(|i| (value[i].as_f64().unwrap() - expected[i]).abs() < 1e-12);

@@ -1,5 +1,6 @@
 //! `calipose board`.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
@@ -56,8 +57,10 @@ pub(crate) fn run(arguments: &BoardArguments, screen: &mut Screen) -> Result<(),
             return Err(Failure::Exists(path));
         }
     }
+    let stale = stale(&folder, &stem, &files);
+    let stale: Vec<&str> = stale.iter().map(String::as_str).collect();
     let written: Vec<(&Path, &[u8])> = files.iter().map(|(file, bytes)| (&*file.file, &**bytes)).collect();
-    writing(|| write_together(&folder, &written, &[]))?;
+    writing(|| write_together(&folder, &written, &stale))?;
     let files: Vec<PrintedFile> =
         files.into_iter().map(|(file, _)| PrintedFile { file: folder.join(file.file), ..file }).collect();
     screen.document(&BoardDocument::new(&problem, &artwork, &print, &files))?;
@@ -110,6 +113,28 @@ fn files(print: &Print, stem: &str, format: Format) -> Vec<(PrintedFile, Vec<u8>
         }));
     }
     files
+}
+
+/// SVG files that an earlier run wrote for pages that this one does not have.
+fn stale(folder: &Path, stem: &str, files: &[(PrintedFile, Vec<u8>)]) -> Vec<String> {
+    let is_svg = |path: &Path| path.extension().is_some_and(|extension| extension == "svg");
+    if !files.iter().any(|(file, _)| is_svg(&file.file)) {
+        return Vec::new();
+    }
+    let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let names =
+        fs::read_dir(here).into_iter().flatten().flatten().filter_map(|entry| entry.file_name().into_string().ok());
+    let is_page = |name: &String| {
+        let page = name.strip_prefix(stem).and_then(|rest| rest.strip_suffix(".svg"));
+        page.is_some_and(|page| page.is_empty() || is_tile(page)) && bears(&folder.join(name), MARK)
+    };
+    names.filter(is_page).collect()
+}
+
+/// Whether the end of a name is that of a tile: `-row1-column2`.
+fn is_tile(end: &str) -> bool {
+    let numbers = end.strip_prefix("-row").and_then(|rest| rest.split_once("-column"));
+    numbers.is_some_and(|(row, column)| [row, column].iter().all(|number| number.parse::<usize>().is_ok()))
 }
 
 fn place_of(page: &Page) -> Option<(usize, usize)> {

@@ -7,7 +7,8 @@ use clap::Args;
 use crate::cli::loaded_plan::LoadedPlan;
 use crate::cli::number_of;
 use crate::cli::output::failure::Failure;
-use crate::cli::output::{Screen, fixed, joint_columns, short, table};
+use crate::cli::output::joint_table::{Heading, joint_table};
+use crate::cli::output::{Screen, fixed, short, table, wrapped};
 use crate::plan::assess::{ExplainSettings, explain};
 use crate::plan::document::{CombinationTerm, Explanation, PoseExplanation};
 use crate::problem::Problem;
@@ -55,23 +56,24 @@ pub(crate) fn run(arguments: &ExplainArguments, screen: &mut Screen) -> Result<(
 
 fn text(problem: &Problem, explanation: &Explanation) -> String {
     let mut sections = vec![
-        format!(
+        wrapped(&format!(
             "{}: {} poses, criterion `{}`: value {}, map error {} px.",
             explanation.problem.name,
             explanation.count,
             explanation.criterion,
             short(explanation.value),
             or_dash(explanation.map_error_px),
-        ),
+        )),
         format!(
-            "What other numbers of poses would give, by the best sets found; no set can exceed the bound:\n\n{}",
+            "{}\n\n{}",
+            wrapped("What other numbers of poses would give, by the best sets found; no set can exceed the bound:"),
             curve_table(explanation)
         ),
         format!("What each pose contributes, and what is lost without it:\n\n{}", pose_table(&explanation.poses)),
     ];
     let open = explanation.poses.iter().filter(|pose| !pose.leaves_open.is_empty());
     let open = open.map(|pose| {
-        format!("Without pose {} this combination is undetermined: {}.", pose.id, words(&pose.leaves_open))
+        wrapped(&format!("Without pose {} this combination is undetermined: {}.", pose.id, words(&pose.leaves_open)))
     });
     sections.push(open.collect::<Vec<_>>().join("\n"));
     if explanation.poses.iter().any(|pose| !pose.spares.is_empty()) {
@@ -86,10 +88,10 @@ fn text(problem: &Problem, explanation: &Explanation) -> String {
         ),
         _ => "The plan leaves it undetermined.".into(),
     };
-    sections.push(format!(
-        "The least known combination is {}, in units that each alone move the image by 1 px.\n{size}",
+    sections.push(wrapped(&format!(
+        "The least known combination is {}, in units that each alone move the image by 1 px. {size}",
         words(&least.combination),
-    ));
+    )));
     sections.retain(|section| !section.is_empty());
     sections.join("\n\n")
 }
@@ -127,13 +129,6 @@ fn pose_table(poses: &[PoseExplanation]) -> String {
 }
 
 fn spare_table(problem: &Problem, poses: &[PoseExplanation]) -> String {
-    let joints = joint_columns(&problem.robot.chain.joints);
-    let header: Vec<String> = ["pose", "spare"]
-        .map(String::from)
-        .into_iter()
-        .chain(joints)
-        .chain(["loss [%]", "map error [px]"].map(String::from))
-        .collect();
     let mut rows = Vec::new();
     for pose in poses {
         for (place, spare) in pose.spares.iter().enumerate() {
@@ -143,7 +138,10 @@ fn spare_table(problem: &Problem, poses: &[PoseExplanation]) -> String {
             rows.push(row.chain([percent(spare.loss), or_dash(spare.map_error_px)]).collect());
         }
     }
-    table(&header.iter().map(String::as_str).collect::<Vec<_>>(), &rows)
+    let same = |heading| Heading { full: heading, brief: heading };
+    let after = [Heading { full: "loss [%]", brief: "loss" }, Heading { full: "map error [px]", brief: "error" }];
+    let legend = "Loss in % of the information, map error in px.";
+    joint_table(&problem.robot.chain.joints, &["pose", "spare"].map(same), &after, legend, &rows)
 }
 
 /// The terms of weight in words, the largest first: `0.93 cx - 0.35 p2`.

@@ -63,7 +63,7 @@ pub(crate) fn run(arguments: &FiguresArguments, screen: &mut Screen) -> Result<(
     let survey = loaded.survey(screen)?;
     let (chooser, selected) = loaded.locate(path, &survey)?;
     let reported = Reported::beside(path, &loaded.plan, &chooser, &selected)?;
-    let documents = reported.documents(&loaded.plan);
+    let documents = reported.documents(&loaded.plan)?;
     let all = [plan_figures(&documents), plan_drawings(&documents)].concat();
     let figures = arguments.chosen(&all)?;
     let mut files = Vec::new();

@@ -89,7 +89,7 @@ pub(crate) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<Verd
     // Without trials those of the same plan, if they are still there.
     let known = verification.clone().or_else(|| Verification::read(&problem.output, &plan));
     let reported = Reported::new(&plan, &chooser, &decision.choice.selected, known)?;
-    let report = plan_page(&reported.documents(&plan));
+    let report = plan_page(&reported.documents(&plan)?);
     let checked = verification.iter().map(|found| ("verification.json", found.to_json().into_bytes()));
     let files: Vec<(&str, Vec<u8>)> = checked.chain([(REPORT_FILE, report.into_bytes())]).collect();
     run.seconds.total = start.elapsed().as_secs_f64();

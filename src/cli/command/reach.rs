@@ -7,7 +7,8 @@ use crate::cli::arguments::ProblemArguments;
 use crate::cli::number_of;
 use crate::cli::output::collision::untested_text;
 use crate::cli::output::failure::Failure;
-use crate::cli::output::{Screen, fixed, joint_columns, short, table};
+use crate::cli::output::joint_table::{Heading, joint_table};
+use crate::cli::output::{Screen, fixed, short, wrapped};
 use crate::feasibility::LinkPair;
 use crate::plan::assess::reach_starts;
 use crate::plan::document::{ReachDocument, joints_deg};
@@ -138,7 +139,8 @@ pub(crate) fn run(arguments: &ReachArguments, screen: &mut Screen) -> Result<(),
         (true, n) => format!("{n} configurations take the pose; those farthest from joint limits first"),
         (false, _) => "no configuration found takes the pose; the nearest".to_owned(),
     };
-    screen.text(&format!("{}: {verdict}:\n\n{}", problem.name, configurations(&problem, &found, &in_the_way)))?;
+    let verdict = wrapped(&format!("{}: {verdict}:", problem.name));
+    screen.text(&format!("{verdict}\n\n{}", configurations(&problem, &found, &in_the_way)))?;
     match &found[..] {
         [nearest, ..] if !reached => Err(Failure::Unreached {
             position_error: nearest.position_error,
@@ -150,12 +152,7 @@ pub(crate) fn run(arguments: &ReachArguments, screen: &mut Screen) -> Result<(),
 }
 
 fn configurations(problem: &Problem, found: &[Reached], in_the_way: &[Option<LinkPair>]) -> String {
-    let tested = problem.robot.has_bodies();
-    let name = |link: usize| problem.robot.tree.links[link].name.as_str();
-    let joints = joint_columns(&problem.robot.chain.joints);
-    let errors = ["limit margin [%]", "position off [mm]", "angle off [deg]"].map(String::from);
-    let header: Vec<String> = joints.chain(errors).chain(tested.then(|| "collision".into())).collect();
-    let row = |(configuration, pair): (&Reached, &Option<LinkPair>)| {
+    let row = |(number, configuration): (usize, &Reached)| {
         let values = joints_deg(&problem.robot.chain, &configuration.q).into_iter().map(|q| fixed(q, 2));
         let off = |error: f64| if error < 5e-7 { "0".to_owned() } else { short(error) };
         let errors = [
@@ -163,10 +160,26 @@ fn configurations(problem: &Problem, found: &[Reached], in_the_way: &[Option<Lin
             off(configuration.position_error * 1e3),
             off(configuration.angle_error.to_degrees()),
         ];
-        let collision = tested.then(|| pair.map_or("none".into(), |[a, b]| format!("{}–{}", name(a), name(b))));
-        values.chain(errors).chain(collision).collect()
+        std::iter::once(number.to_string()).chain(values).chain(errors).collect()
     };
-    let rows: Vec<Vec<String>> = found.iter().zip(in_the_way).map(row).collect();
-    let table = table(&header.iter().map(String::as_str).collect::<Vec<_>>(), &rows);
-    untested_text(problem).map_or(table.clone(), |untested| format!("{table}\n\n{untested}"))
+    let rows: Vec<Vec<String>> = (1..).zip(found).map(row).collect();
+    let after = [
+        Heading { full: "to a limit [%]", brief: "limit" },
+        Heading { full: "off [mm]", brief: "mm off" },
+        Heading { full: "off [deg]", brief: "deg off" },
+    ];
+    let legend = "Limit: distance from the nearest joint limit in % of its range.";
+    let table = joint_table(&problem.robot.chain.joints, &[Heading { full: "", brief: "" }], &after, legend, &rows);
+    let collisions = untested_text(problem).unwrap_or_else(|| collisions(problem, in_the_way));
+    format!("{table}\n\n{}", wrapped(&collisions))
+}
+
+/// Which of the configurations collide, and with what.
+fn collisions(problem: &Problem, in_the_way: &[Option<LinkPair>]) -> String {
+    let name = |link: usize| problem.robot.tree.links[link].name.as_str();
+    let found = (1..)
+        .zip(in_the_way)
+        .filter_map(|(number, pair): (usize, _)| pair.map(|[a, b]| format!("{number} ({}–{})", name(a), name(b))));
+    let found: Vec<String> = found.collect();
+    if found.is_empty() { "Collision: none.".into() } else { format!("In collision: {}.", found.join(", ")) }
 }

@@ -15,14 +15,17 @@ use crate::formats::read_at_most;
 use crate::plan::assess::{ExplainSettings, explain, review};
 use crate::plan::choose::Chooser;
 use crate::plan::document::{
-    CalibrationDocument, ComparisonDocument, Document, Explanation, Header, Plan, Review, Verification,
+    CalibrationDocument, ComparisonDocument, DesignDocument, Document, Explanation, Header, Plan, Review,
+    StudyDocument, Verification,
 };
 use crate::plan::results::{add_results, probe, write_atomically};
-use crate::report::{PAGE_MARK, PlanDocuments, calibration_page, comparison_page, plan_page, verification_page};
+use crate::report::{
+    PAGE_MARK, PlanDocuments, calibration_page, comparison_page, design_page, plan_page, study_page, verification_page,
+};
 
 #[derive(Debug, Args)]
 pub(crate) struct ReportArguments {
-    /// plan.json, verification.json, calibration.json, or what `calipose verify`, `compare` or `calibrate` printed with --json
+    /// plan.json, verification.json, calibration.json, study.json, design.json, or what `calipose verify`, `compare` or `calibrate` printed with --json
     document: PathBuf,
     /// Problem file of a plan [default: the one that run.json beside the plan names]
     #[arg(long)]
@@ -43,14 +46,18 @@ pub(crate) fn run(arguments: &ReportArguments, screen: &mut Screen) -> Result<()
         Some(Verification::FORMAT) => of::<Verification>(path, verification_page, screen),
         Some(ComparisonDocument::FORMAT) => of::<ComparisonDocument>(path, comparison_page, screen),
         Some(CalibrationDocument::FORMAT) => of::<CalibrationDocument>(path, calibration_page, screen),
+        Some(StudyDocument::FORMAT) => of::<StudyDocument>(path, study_page, screen),
+        Some(DesignDocument::FORMAT) => of::<DesignDocument>(path, design_page, screen),
         Some(other) if other.starts_with("calipose.") && other != Plan::FORMAT => Err(Failure::Document {
             path: path.clone(),
             reason: format!(
-                "its key `format` is \"{other}\"; pages are made of {}, {}, {} and {}",
+                "its key `format` is \"{other}\"; pages are made of {}, {}, {}, {}, {} and {}",
                 Plan::FORMAT,
                 Verification::FORMAT,
                 ComparisonDocument::FORMAT,
-                CalibrationDocument::FORMAT
+                CalibrationDocument::FORMAT,
+                StudyDocument::FORMAT,
+                DesignDocument::FORMAT
             ),
         }),
         _ => of_plan(arguments, screen),
@@ -100,7 +107,7 @@ fn of_plan(arguments: &ReportArguments, screen: &mut Screen) -> Result<(), Failu
     let survey = loaded.survey(screen)?;
     let (chooser, selected) = loaded.locate(path, &survey)?;
     let reported = Reported::beside(path, &loaded.plan, &chooser, &selected)?;
-    let page = plan_page(&reported.documents(&loaded.plan));
+    let page = plan_page(&reported.documents(&loaded.plan)?);
     writing(|| add_results(path, loaded.text.as_bytes(), None, &[(REPORT_FILE, page.into_bytes())]))?;
     screen.document(&reported.review)?;
     screen.text(&format!("Written to {}.", folder.join(REPORT_FILE).display()))
@@ -136,8 +143,8 @@ impl Reported {
         Self::new(plan, chooser, selected, verification)
     }
 
-    pub(super) fn documents<'a>(&'a self, plan: &'a Plan) -> PlanDocuments<'a> {
+    pub(super) fn documents<'a>(&'a self, plan: &'a Plan) -> Result<PlanDocuments<'a>, Failure> {
         let Self { review, explanation, verification } = self;
-        PlanDocuments { plan, review, explanation, verification: verification.as_ref() }
+        Ok(PlanDocuments::new(plan, review, explanation, verification.as_ref())?)
     }
 }

@@ -7,7 +7,7 @@ use clap::Args;
 use crate::cli::arguments::ProblemArguments;
 use crate::cli::long_work::sweeping;
 use crate::cli::output::failure::Failure;
-use crate::cli::output::{Screen, grouped, table};
+use crate::cli::output::{Screen, grouped, table, wrapped};
 use crate::feasibility::feasible_views;
 use crate::plan::document::{SweepCounts, SweepDocument};
 use crate::sweep::sweep;
@@ -68,6 +68,8 @@ pub(crate) fn run(arguments: &SweepArguments, screen: &mut Screen) -> Result<(),
     }
     let first = &problems[0].1;
     screen.document(&SweepDocument::new(first, counts))?;
-    let header = ["step", "Q", "inside", "edge", "Q*", "published Q", "published Q*", "see the board", "time [ms]"];
-    screen.text(&format!("{}\n\n{}", first.name, table(&header, &rows)))
+    let header = ["step", "Q", "inside", "edge", "Q*", "publ. Q", "publ. Q*", "views", "ms"];
+    let legend = "Q configurations swept; Q* of them point the camera at the board's zone, inside of it or at its edge; publ.: as \
+                  published; views see the board.";
+    screen.text(&format!("{}\n{}\n\n{}", first.name, wrapped(legend), table(&header, &rows)))
 }

@@ -16,6 +16,7 @@ use crate::plan::results::{FileError, RUN_FILE};
 use crate::plan::survey::SurveyError;
 use crate::print::{Paper, PrintError};
 use crate::problem::{DraftError, ProblemError};
+use crate::report::Disagreement;
 use crate::selection::SelectionError;
 
 /// Views that are named at most.
@@ -82,6 +83,8 @@ pub(crate) enum Failure {
     #[error(transparent)]
     #[diagnostic(help("{}", print_help(.0)))]
     Print(#[from] PrintError),
+    #[error(transparent)]
+    Report(#[from] Disagreement),
     #[error("the run would take {needed} of memory; this machine has {total}")]
     #[diagnostic(help("{remedy}"))]
     Memory { needed: String, total: String, remedy: &'static str },
@@ -126,7 +129,7 @@ impl Failure {
             Failure::Observations { .. } => "observations",
             Failure::Calibration { .. } => "no-calibration",
             Failure::PlanFile { .. } => "plan-file",
-            Failure::Document { .. } => "document",
+            Failure::Document { .. } | Failure::Report(_) => "document",
             Failure::Mixed { .. } => "mixed-files",
             Failure::OtherPlan { .. } => "other-plan",
             Failure::Certify { .. } => "certificate",

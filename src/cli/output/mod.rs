@@ -3,6 +3,7 @@
 pub(super) mod collision;
 mod error_document;
 pub(super) mod failure;
+pub(super) mod joint_table;
 pub(super) mod pose_table;
 mod progress;
 pub(super) mod verdict;
@@ -14,7 +15,6 @@ use miette::{GraphicalReportHandler, GraphicalTheme};
 
 pub(crate) use crate::figures::{fixed, grouped, short};
 use crate::plan::document::{Document, ErrorDocument};
-use crate::robot::Joint;
 use error_document::error_document;
 use failure::Failure;
 use progress::Progress;
@@ -127,25 +127,33 @@ pub(crate) fn wrapped(text: &str) -> String {
         characters[i] == ' ' && i > 0 && digit(i - 1) && (unit || (1..=3).all(|next| digit(i + next)))
     };
     let bound = (0..characters.len()).map(|i| if joined(i) { '\u{a0}' } else { characters[i] }).collect::<String>();
-    let options = textwrap::Options::new(WIDTH).break_words(false).word_splitter(textwrap::WordSplitter::NoHyphenation);
+    // Pairs of links, joined by a dash, keep together too.
+    let options = textwrap::Options::new(WIDTH)
+        .break_words(false)
+        .word_separator(textwrap::WordSeparator::AsciiSpace)
+        .word_splitter(textwrap::WordSplitter::NoHyphenation);
     textwrap::fill(&bound, options).replace('\u{a0}', " ")
 }
 
 /// A table with a header; the first column to the left, the others to the right.
-pub(crate) fn table(header: &[&str], rows: &[Vec<String>]) -> String {
+pub(crate) fn table<S: AsRef<str>>(header: &[S], rows: &[Vec<String>]) -> String {
+    padded_table(header, rows, 1)
+}
+
+/// The same with columns as near as they can be.
+pub(crate) fn tight_table<S: AsRef<str>>(header: &[S], rows: &[Vec<String>]) -> String {
+    padded_table(header, rows, 0)
+}
+
+fn padded_table<S: AsRef<str>>(header: &[S], rows: &[Vec<String>], padding: u16) -> String {
     let mut table = Table::new();
-    table.load_preset(presets::NOTHING).set_header(header);
+    table.load_preset(presets::NOTHING).set_header(header.iter().map(AsRef::as_ref));
     table.add_rows(rows);
     for (i, column) in table.column_iter_mut().enumerate() {
-        column.set_padding((u16::from(i != 0), 1));
+        column.set_padding((u16::from(i != 0), padding));
         column.set_cell_alignment(if i == 0 { CellAlignment::Left } else { CellAlignment::Right });
     }
     table.lines().map(|line| line.trim_end().to_owned()).collect::<Vec<_>>().join("\n")
-}
-
-/// Headings of the joints' columns, with their units.
-pub(crate) fn joint_columns(joints: &[Joint]) -> impl Iterator<Item = String> {
-    joints.iter().map(|joint| format!("{} [{}]", joint.name, joint.kind.display_unit()))
 }
 
 /// A time as one would say it.

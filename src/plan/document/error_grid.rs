@@ -35,6 +35,13 @@ impl ErrorGrid {
         Self { error_px: errors.chunks(u_px.len()).map(<[_]>::to_vec).collect(), u_px, v_px }
     }
 
+    /// Whether its rows are as long as they should be, and there are some.
+    pub fn is_regular(&self) -> bool {
+        let Self { u_px, v_px, error_px } = self;
+        let regular = error_px.len() == v_px.len() && error_px.iter().all(|row| row.len() == u_px.len());
+        regular && !u_px.is_empty() && !v_px.is_empty()
+    }
+
     /// The greatest error, px.
     pub fn greatest(&self) -> f64 {
         self.error_px.iter().flatten().flatten().copied().fold(0.0, f64::max)

@@ -38,11 +38,11 @@ pub use problem::{
     SelfCollision, Sight, Suspicion, SweepCounts, SweepDocument, TestedPair, TilesDocument,
 };
 pub use refusal::{ErrorDocument, FaultDocument, FaultInFile};
-pub(crate) use review::image_share;
 pub use review::{
-    BoundPoint, OtherChoice, Picture, Review, ReviewedPose, Scene, SceneBoard, SceneCamera, SceneJoint, SceneLink,
-    SceneMotion, SceneShape, SceneSolid, SurveyedViews,
+    BoundPoint, NearestLinks, OtherChoice, Picture, Review, ReviewedPose, Scene, SceneBoard, SceneCamera, SceneJoint,
+    SceneLink, SceneMotion, SceneShape, SceneSolid, Silhouette, SurveyedViews,
 };
+pub(crate) use review::{Space, image_share};
 pub use study::{
     AxisMeans, CellDocument, CellOutcome, CellRow, CellSeconds, CellsDocument, ComparedLevels, Difference, Mean,
     OutcomeSummary, ReasonCount, SimulatedOutcome, StudyAxis, StudyCheckDocument, StudyDocument,

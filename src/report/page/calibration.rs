@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::head::{Head, Tone, figure};
 use super::table::{Cell, Row, table};
-use super::{page, plots};
+use super::{page, plots, script};
 use crate::figures::short;
 use crate::plan::document::CalibrationDocument;
 use crate::report::plots::calibration_figures;
@@ -25,7 +25,8 @@ pub fn calibration_page(calibration: &CalibrationDocument) -> String {
         name,
         tone,
         verdict: calibration.verdict.clone(),
-        next: next.into(),
+        details: String::new(),
+        next: html! { (next) },
         figures: vec![
             figure("Map error", px(calibration.map_error_px.rms), "px RMS over the image"),
             figure("Residuals", short(calibration.rms_px), "px RMS"),
@@ -44,20 +45,19 @@ pub fn calibration_page(calibration: &CalibrationDocument) -> String {
             }
         }
         (head.foot(calibration.problem.as_ref()))
+        (script())
     };
-    page(&format!("{name}: camera calibration"), &body, None)
+    page(&format!("{name}: camera calibration"), &body)
 }
 
 fn intrinsics(calibration: &CalibrationDocument) -> Markup {
     let known = &calibration.intrinsics;
-    let row = |i: usize| {
-        let estimated = calibration.estimated.contains(&known.names[i]);
-        let sigma =
-            if estimated { Cell::Number(short(known.sigma[i]), known.sigma[i]) } else { Cell::Text("fixed".into()) };
-        let value = Cell::Number(format!("{:.6}", known.values[i]), known.values[i]);
-        Row { pose: None, cells: vec![Cell::Text(known.names[i].clone()), value, sigma] }
+    let row = |((name, &value), &sigma): ((&String, &f64), &f64)| {
+        let estimated = calibration.estimated.contains(name);
+        let sigma = if estimated { Cell::Number(short(sigma), sigma) } else { Cell::Text("fixed".into()) };
+        Row { pose: None, cells: vec![Cell::Text(name.clone()), Cell::Number(format!("{value:.6}"), value), sigma] }
     };
-    let rows: Vec<Row> = (0..known.names.len()).map(row).collect();
+    let rows: Vec<Row> = known.names.iter().zip(&known.values).zip(&known.sigma).map(row).collect();
     let header = ["Intrinsic", "Value", "Sigma"].map(String::from);
     html! {
         p { "Lens " code { (calibration.lens) } ", pictures of " (calibration.image.width_px) " × " (calibration.image.height_px) " px." }

@@ -4,7 +4,7 @@ use maud::html;
 
 use super::head::{Head, Tone, figure};
 use super::table::{Cell, Row, table};
-use super::{page, plots};
+use super::{page, plots, script};
 use crate::figures::short;
 use crate::plan::document::{ComparisonDocument, ComparisonRow};
 use crate::report::plots::comparison_figures;
@@ -38,7 +38,8 @@ pub fn comparison_page(comparison: &ComparisonDocument) -> String {
             ),
             None => "No method determines all intrinsics at these numbers of poses.".into(),
         },
-        next: "Next: make the plan with the number of poses that reaches the accuracy you need.".into(),
+        details: String::new(),
+        next: html! { "Next: make the plan with the number of poses that reaches the accuracy you need." },
         figures: counts
             .iter()
             .map(|&count| {
@@ -75,6 +76,7 @@ pub fn comparison_page(comparison: &ComparisonDocument) -> String {
             }
         }
         (head.foot(Some(&comparison.problem)))
+        (script())
     };
-    page(&format!("{}: methods side by side", comparison.problem.name), &body, None)
+    page(&format!("{}: methods side by side", comparison.problem.name), &body)
 }

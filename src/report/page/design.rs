@@ -17,9 +17,9 @@ pub fn design_page(design: &DesignDocument) -> String {
         calipose: &design.header.calipose,
         name: &design.name,
         tone: Tone::Good,
-        verdict: format!("{} {}", gain(design), family(design)),
-        next: "Next: best.toml is the problem file of this set-up; make its plan with `calipose plan best.toml`."
-            .into(),
+        verdict: gain(design),
+        details: family(design),
+        next: html! { "Next: best.toml is the problem file of this set-up; make its plan with " code { "calipose plan best.toml" } "." },
         figures: design.best.values.iter().map(|value| figure(&value.name, value.value.clone(), "")).collect(),
     };
     let names = design.best.values.iter().map(|value| value.name.clone());
@@ -62,7 +62,7 @@ pub fn design_page(design: &DesignDocument) -> String {
         }
         (head.foot(Some(&design.problem)))
     };
-    page(&format!("{}: the design of a set-up", design.name), &body, None)
+    page(&format!("{}: the design of a set-up", design.name), &body)
 }
 
 fn row(set_up: &SetUp) -> Row {

@@ -21,7 +21,9 @@ pub(super) struct Head<'a> {
     pub(super) name: &'a str,
     pub(super) tone: Tone,
     pub(super) verdict: String,
-    pub(super) next: String,
+    /// What more there is to say of it, if anything.
+    pub(super) details: String,
+    pub(super) next: Markup,
     pub(super) figures: Vec<Markup>,
 }
 
@@ -32,7 +34,7 @@ pub(super) fn figure(name: &str, number: impl Into<String>, unit: &str) -> Marku
 }
 
 impl Tone {
-    pub(super) fn class(self) -> &'static str {
+    fn class(self) -> &'static str {
         match self {
             Self::Good => "verdict good",
             Self::Bad => "verdict bad",
@@ -47,7 +49,10 @@ impl Head<'_> {
             header class="page-head" {
                 p class="kicker" { "calipose " (self.calipose) " · " (self.kind) }
                 h1 { (self.name) }
-                p class=(self.tone.class()) { strong { (self.verdict) } }
+                p class=(self.tone.class()) {
+                    strong { (self.verdict) }
+                    @if !self.details.is_empty() { " " (self.details) }
+                }
                 p class="next" { (self.next) }
                 dl class="figures" { @for figure in &self.figures { (figure) } }
             }

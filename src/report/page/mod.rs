@@ -9,6 +9,7 @@ mod facts;
 mod head;
 mod picture;
 mod plan;
+mod space;
 mod study;
 mod table;
 mod verification;
@@ -31,8 +32,8 @@ pub const PAGE_MARK: &str = "<meta name=\"generator\" content=\"calipose\">";
 const STYLE: &str = include_str!("web/report.css");
 const SCRIPT: &str = include_str!("web/dist/report.js");
 
-/// A whole page; `data` is what its script draws.
-fn page(title: &str, body: &Markup, data: Option<&str>) -> String {
+/// A whole page. Its `body` ends with the script, or has it where the script is needed earlier.
+fn page(title: &str, body: &Markup) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -43,16 +44,15 @@ fn page(title: &str, body: &Markup, data: Option<&str>) -> String {
                 title { (title) }
                 style { (PreEscaped(STYLE)) }
             }
-            body {
-                (body)
-                @if let Some(data) = data {
-                    script type="application/json" id="scene-data" { (PreEscaped(data.replace("</", "<\\/"))) }
-                }
-                script { (PreEscaped(SCRIPT)) }
-            }
+            body { (body) }
         }
     };
     page.into_string()
+}
+
+/// What links and sorts, and draws what is in space.
+fn script() -> Markup {
+    html! { script { (PreEscaped(SCRIPT)) } }
 }
 
 /// Plots beside each other.

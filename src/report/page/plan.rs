@@ -3,13 +3,14 @@
 use maud::{Markup, html};
 
 use super::facts::{degrees, facts, joint, millimetres, percent};
-use super::head::Tone;
+use super::head::{Head, Tone, figure};
 use super::picture::picture;
+use super::space::space;
 use super::table::{Cell, Row, table};
 use super::{page, plots};
 use crate::figures::{grouped, short};
 use crate::plan::document::{
-    Document, Explanation, Plan, PlannedPose, PoseExplanation, Review, ReviewedPose, SceneJoint,
+    Explanation, NearestLinks, Plan, PlannedPose, PoseExplanation, Review, ReviewedPose, SceneJoint,
 };
 use crate::report::plots::plan_figures;
 use crate::report::{PlanDocuments, outcome};
@@ -17,14 +18,15 @@ use crate::report::{PlanDocuments, outcome};
 /// The report of a plan, a page that stands alone.
 pub fn plan_page(documents: &PlanDocuments) -> String {
     let PlanDocuments { plan, review, explanation, .. } = documents;
+    let head = head(documents);
     let body = html! {
-        (head(documents))
+        (head.markup())
         nav class="contents" aria-label="Contents" {
             a href="#poses" { "Poses" } a href="#plots" { "Plots" } a href="#intrinsics" { "Intrinsics" } a href="#made" { "How it was made" }
         }
         main {
             div class="stage" {
-                section id="view3d" hidden { h2 { "The poses in space" } }
+                (space(review))
                 section id="picture" {
                     h2 { "What the camera sees" }
                     div class="panels" { @for pose in &review.poses { (panel(review, explanation, pose)) } }
@@ -38,18 +40,13 @@ pub fn plan_page(documents: &PlanDocuments) -> String {
             section id="intrinsics" { h2 { "Intrinsics" } (intrinsics(documents)) }
             section id="made" { h2 { "How it was made" } (made(plan)) }
         }
-        footer class="page-foot" {
-            "Made by calipose " (plan.header.calipose) ". Problem file " code { (plan.problem.sha256) }
-            @for set in &plan.problem.set { ", " code { (set) } }
-            "."
-        }
+        (head.foot(Some(&plan.problem)))
     };
-    let data = review.to_line();
-    page(&format!("{}: {} calibration poses", plan.problem.name, plan.count), &body, Some(&data))
+    page(&format!("{}: {} calibration poses", plan.problem.name, plan.count), &body)
 }
 
 /// The verdict first, in words, with what to do next; then the figures that matter.
-fn head(documents: &PlanDocuments) -> Markup {
+fn head<'a>(documents: &PlanDocuments<'a>) -> Head<'a> {
     let PlanDocuments { plan, review, verification, .. } = documents;
     let holds = verification.and_then(|verification| verification.holds);
     let (tone, verdict) = match holds {
@@ -57,35 +54,33 @@ fn head(documents: &PlanDocuments) -> Markup {
         Some(true) => (Tone::Good, "The plan does what it predicts."),
         None => (Tone::Open, "The plan has not been tried in simulated calibrations."),
     };
-    html! {
-        header class="page-head" {
-            p class="kicker" { "calipose " (plan.header.calipose) " · calibration plan" }
-            h1 { (plan.problem.name) }
-            p class=(tone.class()) {
-                strong { (verdict) } " "
-                (outcome(plan).replace('`', ""))
-            }
-            p class="next" { (next(plan, holds)) }
-            dl class="figures" {
-                div { dt { "Poses" } dd { (plan.count) " " small { "of " (grouped(review.views.all)) " views" } } }
-                div {
-                    dt { "Map error" } dd { (short(plan.map_error_px)) " " small { "px RMS over the image" } }
-                    @if let Some(measured) = verification.and_then(|verification| verification.map_error_px.measured) {
-                        dd { (short(measured)) " px in simulated calibrations" }
-                    }
-                }
-                div { dt { "Certified efficiency" } dd { (format!("{:.3}", plan.efficiency)) } }
-                @for other in &review.others {
-                    div {
-                        dt { (other.ids.len()) " poses by " (other.method) }
-                        @match other.map_error_px {
-                            Some(error) => dd { (short(error)) " " small { "px RMS" } },
-                            None => dd { "undetermined" },
-                        }
-                    }
+    let mut figures = vec![
+        figure("Poses", plan.count.to_string(), &format!("of {} views", grouped(review.views.all))),
+        html! {
+            div {
+                dt { "Map error" } dd { (short(plan.map_error_px)) " " small { "px RMS over the image" } }
+                @if let Some(measured) = verification.and_then(|verification| verification.map_error_px.measured) {
+                    dd { (short(measured)) " px in simulated calibrations" }
                 }
             }
-        }
+        },
+        figure("Certified efficiency", format!("{:.3}", plan.efficiency), ""),
+    ];
+    figures.extend(review.others.iter().map(|other| {
+        let name = format!("{} poses by {}", other.ids.len(), other.method);
+        other
+            .map_error_px
+            .map_or_else(|| figure(&name, "undetermined", ""), |error| figure(&name, short(error), "px RMS"))
+    }));
+    Head {
+        kind: "calibration plan",
+        calipose: &plan.header.calipose,
+        name: &plan.problem.name,
+        tone,
+        verdict: verdict.into(),
+        details: outcome(plan).replace('`', ""),
+        next: next(plan, holds),
+        figures,
     }
 }
 
@@ -117,12 +112,18 @@ fn panel(review: &Review, explanation: &Explanation, pose: &ReviewedPose) -> Mar
         ("corners to the border", format!("{:.0} px", pose.picture.margin_px)),
         ("share of the information", percent(pose.share)),
     ]);
+    if !pose.picture.hidden.is_empty() {
+        known.push(("corners hidden", pose.picture.hidden.len().to_string()));
+    }
+    if let Some(NearestLinks { links: [a, b], distance_m }) = &pose.nearest {
+        known.push(("least clearance", format!("{}, {a} – {b}", millimetres(*distance_m))));
+    }
     let explained = explanation.poses.iter().find(|explained| explained.id == pose.id);
     let name = format!("What the camera sees at pose {}", pose.label);
     html! {
         article class="panel" data-pose-panel=(pose.id) {
             h3 { "Pose " (pose.label) }
-            (picture(&review.scene.camera, &pose.picture, &name))
+            (picture(&review.scene, &pose.picture, &name))
             (facts(&known))
             @if let Some(explained) = explained { (worth(explained)) }
         }
@@ -166,6 +167,10 @@ fn poses(plan: &Plan, review: &Review, explanation: &Explanation) -> Markup {
     if stable {
         header.push("To tipping over, mm".into());
     }
+    let tested = review.poses.iter().any(|pose| pose.nearest.is_some());
+    if tested {
+        header.push("Least clearance, mm".into());
+    }
     let number = |value: f64, decimals: usize| Cell::Number(format!("{value:.decimals$}"), value);
     let row = |(pose, planned): (&ReviewedPose, &PlannedPose)| {
         let show = html! {
@@ -189,6 +194,9 @@ fn poses(plan: &Plan, review: &Review, explanation: &Explanation) -> Markup {
         ]);
         if stable {
             cells.push(number(1e3 * planned.stability_margin_m.unwrap_or(f64::NAN), 0));
+        }
+        if tested {
+            cells.push(number(1e3 * pose.nearest.as_ref().map_or(f64::NAN, |nearest| nearest.distance_m), 0));
         }
         Row { pose: Some(pose.id), cells }
     };

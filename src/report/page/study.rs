@@ -19,8 +19,8 @@ pub fn study_page(study: &StudyDocument) -> String {
         name: &study.name,
         tone: if failed == 0 { Tone::Good } else { Tone::Open },
         verdict: strongest(study),
-        next: "Next: results.csv and results.parquet hold every row, for questions that this page does not answer."
-            .into(),
+        details: String::new(),
+        next: html! { "Next: results.csv and results.parquet hold every row, for questions that this page does not answer." },
         figures: vec![
             figure("Cells", grouped(study.cells), ""),
             figure("Rows", grouped(study.rows), &format!("{} without a choice", grouped(failed))),
@@ -51,7 +51,7 @@ pub fn study_page(study: &StudyDocument) -> String {
         }
         (head.foot(None))
     };
-    page(&format!("{}: a study", study.name), &body, None)
+    page(&format!("{}: a study", study.name), &body)
 }
 
 fn interval(interval: Option<[f64; 2]>) -> Cell {

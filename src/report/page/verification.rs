@@ -4,7 +4,7 @@ use maud::html;
 
 use super::head::{Head, Tone, figure};
 use super::table::{Cell, Row, table};
-use super::{page, plots};
+use super::{page, plots, script};
 use crate::figures::short;
 use crate::plan::document::Verification;
 use crate::report::plots::verification_figures;
@@ -24,14 +24,8 @@ pub fn verification_page(verification: &Verification) -> String {
         name: &verification.problem.name,
         tone,
         verdict: verification.verdict.clone(),
-        next: match verification.holds {
-            Some(false) => {
-                "Next: see below which intrinsics scatter more than predicted; add poses, or estimate fewer intrinsics."
-                    .into()
-            }
-            Some(true) => "Next: take the plan's pictures and calibrate.".into(),
-            None => "Next: simulate more calibrations, with --trials.".into(),
-        },
+        details: String::new(),
+        next: html! { (next(verification.holds)) },
         figures: vec![
             figure("Poses", verification.count.to_string(), ""),
             figure("Map error, predicted", px(error.predicted), "px RMS"),
@@ -68,8 +62,19 @@ pub fn verification_page(verification: &Verification) -> String {
             }
         }
         (head.foot(Some(&verification.problem)))
+        (script())
     };
-    page(&format!("{}: simulated calibrations", verification.problem.name), &body, None)
+    page(&format!("{}: simulated calibrations", verification.problem.name), &body)
+}
+
+fn next(holds: Option<bool>) -> &'static str {
+    match holds {
+        Some(false) => {
+            "Next: see below which intrinsics scatter more than predicted; add poses, or estimate fewer intrinsics."
+        }
+        Some(true) => "Next: take the plan's pictures and calibrate.",
+        None => "Next: simulate more calibrations, with --trials.",
+    }
 }
 
 fn failures(verification: &Verification) -> Vec<Row> {

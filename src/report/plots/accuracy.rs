@@ -42,17 +42,20 @@ pub(super) fn by_count(review: &Review) -> Figure {
     }
 }
 
-/// The map error over the image, by the plan and by another choice, on one scale.
+/// The map error over the image: before the plan, if anything is known then, by the plan, and by another choice; on one scale.
 pub(super) fn over_image(review: &Review) -> Vec<Figure> {
     let Some(plan) = &review.error_map else { return vec![] };
     let camera = &review.scene.camera;
     let size = [f64::from(camera.width_px), f64::from(camera.height_px)];
     // The plan's own scale for all: another choice may be ten times worse, and is of the last colour then.
     let most = plan.greatest();
-    let mut figures =
-        vec![error_map("error-over-image", "Map error over the image: this plan".into(), plan, size, most)];
+    let title = |of: &str| format!("Map error over the image: {of}");
+    let before = review.error_map_before.iter();
+    let mut figures: Vec<Figure> =
+        before.map(|map| error_map("error-over-image-before", title("before this plan"), map, size, most)).collect();
+    figures.push(error_map("error-over-image", title("this plan"), plan, size, most));
     if let Some((other, map)) = review.others.first().and_then(|other| Some((other, other.error_map.as_ref()?))) {
-        let title = format!("Map error over the image: {} {} poses", other.ids.len(), other.method);
+        let title = title(&format!("{} poses by {} instead", other.ids.len(), other.method));
         figures.push(error_map("error-over-image-other", title, map, size, most));
     }
     figures

@@ -55,7 +55,7 @@ pub(super) fn by_view(calibration: &CalibrationDocument) -> Figure {
 
 /// How well the calibrated camera is known over the image.
 pub(super) fn uncertainty(calibration: &CalibrationDocument) -> Option<Figure> {
-    let map = calibration.error_map.as_ref()?;
+    let map = calibration.error_map.as_ref().filter(|map| map.is_regular())?;
     let size = [f64::from(calibration.image.width_px), f64::from(calibration.image.height_px)];
     Some(error_map("error-over-image", "Map error over the image".into(), map, size, map.greatest()))
 }

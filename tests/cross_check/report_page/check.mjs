@@ -1,75 +1,29 @@
-// Opens a report in Chromium, from disk as a reader does, and holds it to what it must show and do.
-//
-//     node check.mjs PAGE.html [FOLDER]     FOLDER: where screenshots and the printed page are put
-//
-// The browser is /usr/bin/chromium or $CHROMIUM.
+// Opens the report of a plan in Chromium, from disk as a reader does, and holds it to what it must show and do: node check.mjs PAGE.html
 import assert from "node:assert/strict";
-import { mkdir, readFile } from "node:fs/promises";
-import { createRequire } from "node:module";
-import { join, resolve } from "node:path";
+import { resolve } from "node:path";
 import { pathToFileURL } from "node:url";
-import { chromium } from "playwright-core";
+import {
+  PHONE, assertAccessible, assertAllVisible, assertNothingCutOff, check, close, failures, launch, launchWithView, open, print, shoot,
+} from "./browser.mjs";
 
 /** For a machine with a core to spare; a busy one may be given longer. */
 const FIRST_FRAME_MS = Number(process.env.FIRST_FRAME_MS ?? 1000);
 /** The page is opened until its first frame comes in time, at most this often: what else the machine does can only add. */
 const LOADS = 20;
-const WIDE = { width: 1440, height: 960 };
-const PHONE = { width: 360, height: 740 };
-const AXE = await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
-const [file, folder] = process.argv.slice(2);
-if (!file) throw new Error("usage: node check.mjs PAGE.html [FOLDER]");
+const [file] = process.argv.slice(2);
+if (!file) throw new Error("usage: node check.mjs PAGE.html");
 const address = pathToFileURL(resolve(file)).href;
-if (folder) await mkdir(folder, { recursive: true });
-
-/** Chromium without a graphics card: WebGL by SwiftShader, or none. */
-const launch = (...graphics) =>
-  chromium.launch({
-    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-    args: ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
-      "--disable-sync", ...graphics],
-  });
-const browser = await launch("--use-angle=swiftshader", "--enable-unsafe-swiftshader");
-
-let failures = 0;
-async function check(claim, hold) {
-  try {
-    const remark = await hold();
-    console.log(`ok    ${claim}${remark ? `: ${remark}` : ""}`);
-  } catch (error) {
-    failures++;
-    console.log(`FAIL  ${claim}\n      ${String(error.message).replaceAll("\n", "\n      ")}`);
-  }
-}
-
-/** Opens the page; what it complains of and asks the network for is collected in `page.complaints`. */
-async function open(options = {}, from = browser) {
-  const context = await from.newContext({ viewport: WIDE, reducedMotion: "reduce", ...options });
-  await context.grantPermissions(["clipboard-read", "clipboard-write"]);
-  const page = await context.newPage();
-  page.complaints = [];
-  page.on("console", (message) => {
-    if (["error", "warning"].includes(message.type())) page.complaints.push(`${message.type()}: ${message.text()}`);
-  });
-  page.on("pageerror", (error) => page.complaints.push(`error: ${error.message}`));
-  page.on("request", (request) => {
-    if (request.url() !== address && !/^(data|blob):/.test(request.url())) page.complaints.push(`request: ${request.url()}`);
-  });
-  await page.goto(address);
-  return page;
-}
+const browser = await launchWithView();
 
 /** Opens the page and waits for its 3-D view; the time is in `page.firstFrame`, ms from the start of the navigation. */
 async function openView(options) {
-  const page = await open(options);
+  const page = await open(browser, address, options);
   const mark = () => performance.getEntriesByName("calipose-first-frame")[0]?.startTime;
   page.firstFrame = await (await page.waitForFunction(mark, null, { timeout: 30_000 })).jsonValue();
   return page;
 }
 
-const close = (page) => page.context().close();
-const shoot = (page, name) => folder && page.screenshot({ path: join(folder, `${name}.png`), fullPage: true });
 const chosen = (page) => page.evaluate(() => window.caliposeReport.chosen());
 const status = (page) => page.locator("#view3d .status").textContent();
 const ids = (page) => page.evaluate(() => window.caliposeReport.poses.map((pose) => String(pose.id)));
@@ -112,16 +66,6 @@ async function assertChosen(page, id, by) {
   assert.deepEqual([...new Set(shown)], [id], `${by}: the panels shown`);
   const rows = await page.locator("tr[data-pose].chosen").evaluateAll((all) => all.map((row) => row.dataset.pose));
   assert.deepEqual([...new Set(rows)], [id], `${by}: the rows marked`);
-}
-
-async function assertAccessible(page, where) {
-  await page.evaluate(AXE);
-  const { violations, passes } = await page.evaluate(() => window.axe.run());
-  const told = violations.flatMap(({ id, help, nodes }) =>
-    nodes.map((node) => `${where}: ${id}: ${help}: ${node.html.slice(0, 160)} ${node.any[0]?.message ?? ""}`),
-  );
-  assert.deepEqual(told, []);
-  return `${passes.length} rules`;
 }
 
 // The page in a wide window
@@ -388,44 +332,19 @@ await check("in print there are all plots and all panels, and no controls", asyn
     return new Set(new Uint32Array(data.buffer)).size;
   });
   assert(colours > 100, `the printed picture of the 3-D view has ${colours} colours`);
-  for (const part of [".print-picture", ".plot svg", "[data-pose-panel]", "table"]) {
-    const [count, visible] = await Promise.all([one.locator(part).count(), one.locator(`${part}:visible`).count()]);
-    assert(count > 0, `${part}: none`);
-    assert.equal(visible, count, part);
-  }
+  await assertAllVisible(one, [".print-picture", ".plot svg", "[data-pose-panel]", "table"]);
   for (const part of ["#view3d [role=application]", "#view3d button", "#view3d select", "#view3d input", ".table-tools", ".choose"]) {
     assert.equal(await one.locator(`${part}:visible`).count(), 0, part);
   }
   await one.evaluate(() => dispatchEvent(new Event("afterprint")));
-  if (folder) await one.pdf({ path: join(folder, "print.pdf"), format: "A4", preferCSSPageSize: true });
+  await print(one, "print");
   await close(one);
 });
 
 await check("a phone's window, 360 px wide, shows everything; wide tables scroll in their own regions", async () => {
   const one = await openView({ viewport: PHONE, hasTouch: true, isMobile: true });
   await shoot(one, "phone");
-  const faults = await one.evaluate(() => {
-    const told = [];
-    for (const node of [document.documentElement, document.body]) {
-      if (node.scrollWidth > node.clientWidth) told.push(`${node.tagName} is ${node.scrollWidth} px wide`);
-    }
-    for (const node of document.querySelectorAll("body *")) {
-      if (node.closest(".scroll, .frame, svg, script") && !node.matches(".scroll, .frame, svg")) continue;
-      const box = node.getBoundingClientRect();
-      const name = `${node.tagName.toLowerCase()}.${node.getAttribute("class") ?? ""}`;
-      if (box.width && (box.right > innerWidth + 0.5 || box.left < -0.5)) told.push(`${name} reaches from ${box.left} to ${box.right}`);
-      const cut = getComputedStyle(node).overflowX === "hidden" && node.scrollWidth > node.clientWidth;
-      if (cut) told.push(`${name} is cut off`);
-    }
-    for (const table of document.querySelectorAll("table")) {
-      const region = table.closest(".scroll");
-      if (table.offsetWidth > (region ?? document.documentElement).clientWidth && !region) told.push("a wide table has no region");
-      const named = region?.hasAttribute("aria-label") || region?.hasAttribute("aria-labelledby");
-      if (region && !(region.tabIndex === 0 && region.getAttribute("role") === "region" && named)) told.push("a region has no focus or name");
-    }
-    return told;
-  });
-  assert.deepEqual(faults, []);
+  await assertNothingCutOff(one);
   const { colours } = await picture(one);
   assert(colours > 100, `${colours} colours`);
   await close(one);
@@ -461,13 +380,9 @@ await check("fingers choose a pose, turn the view and zoom it", async () => {
 });
 
 await check("without JavaScript there are the tables, the plots and all panels", async () => {
-  const one = await open({ javaScriptEnabled: false });
+  const one = await open(browser, address, { javaScriptEnabled: false });
   await shoot(one, "without-javascript");
-  for (const part of ["table.sortable", ".plot svg", "[data-pose-panel]"]) {
-    const [count, visible] = await Promise.all([one.locator(part).count(), one.locator(`${part}:visible`).count()]);
-    assert(count > 0, `${part}: none`);
-    assert.equal(visible, count, part);
-  }
+  await assertAllVisible(one, ["table.sortable", ".plot svg", "[data-pose-panel]"]);
   for (const part of ["#view3d", ".choose"]) assert.equal(await one.locator(`${part}:visible`).count(), 0, part);
   assert.deepEqual(one.complaints, []);
   await close(one);
@@ -478,7 +393,7 @@ await browser.close();
 await check("without WebGL the page says so, and the rest works", async () => {
   const plain = await launch("--disable-3d-apis");
   try {
-    const one = await open({}, plain);
+    const one = await open(plain, address);
     await one.locator("#view3d .refusal").waitFor({ timeout: 10_000 });
     assert.match(await one.locator("#view3d .refusal").textContent(), /WebGL/);
     await one.getByRole("button", { name: /^next pose/i }).click();

@@ -11,7 +11,7 @@ use super::study::{self, is_study};
 use crate::cli::arguments::ProblemArguments;
 use crate::cli::memory::Memory;
 use crate::cli::output::failure::Failure;
-use crate::cli::output::{Screen, duration, grouped};
+use crate::cli::output::{Screen, duration, grouped, wrapped};
 use crate::plan::assess::{Forecast, forecast};
 use crate::plan::survey::diagnose;
 use crate::problem::{Accuracy, Goal, Problem};
@@ -78,7 +78,7 @@ pub(crate) fn run(arguments: &ProblemArguments, screen: &mut Screen) -> Result<(
     if let Some(memory) = memory {
         text += &format!("\n\nWarning: {memory}.");
     }
-    screen.text(&text)
+    screen.text(&wrapped(&text))
 }
 
 /// What would be chosen, and how.

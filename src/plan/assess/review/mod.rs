@@ -1,6 +1,7 @@
 //! What can be looked at of a plan.
 
 mod curve;
+mod silhouettes;
 
 use std::iter::zip;
 
@@ -8,15 +9,17 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::compare::median_choice;
-use crate::feasibility::View;
+use crate::feasibility::{Collision, View};
 use crate::plan::choose::{Choice, Chooser, PlanError};
 use crate::plan::document::{
-    Document, ErrorGrid, OtherChoice, Picture, Plan, PlannedPose, ProblemReference, Review, ReviewedPose, Scene,
-    SurveyedViews, finite, image_share,
+    Document, ErrorGrid, NearestLinks, OtherChoice, Picture, Plan, PlannedPose, ProblemReference, Review, ReviewedPose,
+    Scene, Silhouette, SurveyedViews, finite, image_share,
 };
 use crate::plan::survey::Survey;
 use crate::problem::{Method, Problem};
 use crate::selection::packed::inverse;
+use crate::spatial::Pose;
+use silhouettes::silhouettes;
 
 /// Views that are listed at most.
 const MOST_VIEWS: usize = 20_000;
@@ -34,28 +37,52 @@ pub fn review(plan: &Plan, chooser: &Chooser, selected: &[usize]) -> Result<Revi
     let (other, _) = median_choice(chooser, Method::KMeansJoints, plan.count, plan.seed, SEEDS)?;
     let covariance = |choice: &Choice| inverse(&chooser.information(&choice.selected));
     let known = covariance(&chosen);
+    let map = |known: &DMatrix<f64>| ErrorGrid::new(&problem.unknowns(), known);
+    let scene = Scene::new(problem);
+    let collision = (!scene.solids.is_empty()).then(|| Collision::new(&problem.robot, problem.clearance));
     Ok(Review {
         header: Review::header(),
         problem: ProblemReference::new(problem),
-        scene: Scene::new(problem),
         views: surveyed(problem, survey, &[selected, &other.selected].concat()),
         poses: zip(&plan.poses, selected)
             .zip(1..)
-            .map(|((pose, &i), number)| reviewed_pose(pose, number, problem, &survey.views[i]))
+            .map(|((pose, &i), number)| {
+                let view = &survey.views[i];
+                let X_BL = problem.robot.link_poses(&view.q);
+                let bodies = silhouettes(&scene, &problem.camera, view, &X_BL);
+                let nearest = collision.as_ref().and_then(|collision| nearest(&scene, collision, &X_BL));
+                reviewed_pose(pose, number, problem, view, bodies, nearest)
+            })
             .collect(),
         others: vec![OtherChoice {
             method: Method::KMeansJoints.name().into(),
             ids: other.selected.iter().map(|&i| survey.views[i].id).collect(),
             map_error_px: finite(other.map_error),
-            error_map: covariance(&other).map(|known| ErrorGrid::new(&problem.unknowns(), &known)),
+            error_map: covariance(&other).as_ref().map(map),
         }],
         curve: curve::curve(plan, chooser)?,
         correlation: known.as_ref().map(correlation).unwrap_or_default(),
-        error_map: known.as_ref().map(|known| ErrorGrid::new(&problem.unknowns(), known)),
+        error_map: known.as_ref().map(map),
+        error_map_before: inverse(&chooser.information(&[])).as_ref().map(map),
+        scene,
     })
 }
 
-fn reviewed_pose(pose: &PlannedPose, number: usize, problem: &Problem, view: &View) -> ReviewedPose {
+/// The tested links that come nearest to each other, with the links at `X_BL`.
+fn nearest(scene: &Scene, collision: &Collision, X_BL: &[Pose]) -> Option<NearestLinks> {
+    let (pair, distance) = collision.gaps(X_BL).into_iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some(NearestLinks { links: pair.map(|link| scene.links[link].name.clone()), distance_m: distance.max(0.0) })
+}
+
+fn reviewed_pose(
+    pose: &PlannedPose,
+    number: usize,
+    problem: &Problem,
+    view: &View,
+    bodies: Vec<Silhouette>,
+    nearest: Option<NearestLinks>,
+) -> ReviewedPose {
+    let Problem { camera, target, visibility, .. } = problem;
     ReviewedPose {
         id: pose.id,
         label: number.to_string(),
@@ -65,7 +92,8 @@ fn reviewed_pose(pose: &PlannedPose, number: usize, problem: &Problem, view: &Vi
         tilt_deg: pose.tilt_deg,
         distance_m: pose.distance_m,
         share: pose.share,
-        picture: Picture::new(&problem.camera, &problem.target.board, view),
+        nearest,
+        picture: Picture::new(camera, &target.board, visibility.margin, view, bodies),
     }
 }
 

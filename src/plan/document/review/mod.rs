@@ -4,11 +4,13 @@
 mod accuracy;
 mod picture;
 mod scene;
+mod space;
 
 pub use accuracy::{BoundPoint, OtherChoice};
-pub use picture::Picture;
 pub(crate) use picture::image_share;
+pub use picture::{Picture, Silhouette};
 pub use scene::{Scene, SceneBoard, SceneCamera, SceneJoint, SceneLink, SceneMotion, SceneShape, SceneSolid};
+pub(crate) use space::Space;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -41,6 +43,8 @@ pub struct Review {
     pub correlation: Vec<Vec<f64>>,
     /// The map error over the image; `null` where the plan leaves something undetermined.
     pub error_map: Option<ErrorGrid>,
+    /// The same before the plan, by what is known without it; `null` where that leaves something undetermined.
+    pub error_map_before: Option<ErrorGrid>,
 }
 
 impl Document for Review {
@@ -86,6 +90,17 @@ pub struct ReviewedPose {
     pub distance_m: f64,
     /// Share of the information at hand.
     pub share: f64,
+    /// The two tested links that come nearest to each other; `null` where none are tested.
+    pub nearest: Option<NearestLinks>,
     /// What the camera sees from there.
     pub picture: Picture,
+}
+
+/// Two links, and how near they come to each other.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct NearestLinks {
+    /// Their names.
+    pub links: [String; 2],
+    /// Distance between their nearest bodies.
+    pub distance_m: f64,
 }

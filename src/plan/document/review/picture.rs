@@ -1,11 +1,12 @@
 //! What the camera sees from a pose.
 
+use nalgebra::{Point2, Point3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::camera::Camera;
-use crate::feasibility::View;
-use crate::target::Board;
+use crate::feasibility::{View, convex_hull};
+use crate::target::{Board, Corners};
 
 /// The board in the picture, px; pixel (0, 0) is the centre of the top-left pixel.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -14,58 +15,95 @@ pub struct Picture {
     pub corners_px: Vec<Option<[f64; 2]>>,
     /// Numbers of the corners that do not count: outside of the picture, or hidden.
     pub unseen: Vec<usize>,
+    /// Those of them that a body hides.
+    pub hidden: Vec<usize>,
+    /// The border of the printed squares, as the lens bends it.
+    pub border_px: Vec<[f64; 2]>,
     /// The dark squares, four points each.
     pub squares_px: Vec<[[f64; 2]; 4]>,
-    /// Share of the picture that the corners span.
+    /// Share of the picture that the corners seen span.
     pub image_share: f64,
     /// Distance of the corners seen from the picture's nearest side.
     pub margin_px: f64,
+    /// The bodies in the picture, the farthest first.
+    pub bodies: Vec<Silhouette>,
+}
+
+/// A body in a picture.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Silhouette {
+    /// Its link, by its number in the review.
+    pub link: usize,
+    /// Whether it is between the camera and the board's plane.
+    pub before_board: bool,
+    /// Its outline, which may reach beyond the picture.
+    pub outline_px: Vec<[f64; 2]>,
 }
 
 impl Picture {
-    pub(crate) fn new(camera: &Camera, board: &Board, view: &View) -> Self {
+    /// `margin` (px) is how far corners must be from the picture's sides.
+    pub(crate) fn new(camera: &Camera, board: &Board, margin: f64, view: &View, bodies: Vec<Silhouette>) -> Self {
         let project = |point| camera.project(&(view.X_CT * point)).map(<[f64; 2]>::from);
         let corners_px: Vec<_> = board.corners().map(project).collect();
         let seen = |i: usize| view.seen.contains(i);
         // Square (c, r) lies before corner (c, r); those beyond the last corner are of the board, too.
-        let square = |c: usize, r: usize| {
+        let grid = |c: usize, r: usize| {
             let origin = board.corner(0, 0);
-            let at = |dc: usize, dr: usize| {
-                let x = origin.x + ((c + dc) as f64 - 1.0) * board.square;
-                let y = origin.y + ((r + dr) as f64 - 1.0) * board.square;
-                project([x, y, 0.0].into())
-            };
-            Some([at(0, 0)?, at(1, 0)?, at(1, 1)?, at(0, 1)?])
+            let x = origin.x + (c as f64 - 1.0) * board.square;
+            let y = origin.y + (r as f64 - 1.0) * board.square;
+            project([x, y, 0.0].into())
         };
+        let square = |c: usize, r: usize| Some([grid(c, r)?, grid(c + 1, r)?, grid(c + 1, r + 1)?, grid(c, r + 1)?]);
+        let (right, bottom) = (board.columns + 1, board.rows + 1);
+        let border = (0..right).map(|c| (c, 0)).chain((0..bottom).map(|r| (right, r)));
+        let border = border.chain((1..=right).rev().map(|c| (c, bottom))).chain((1..=bottom).rev().map(|r| (0, r)));
         let places = (0..=board.rows).flat_map(|r| (0..=board.columns).map(move |c| (c, r)));
         let (width, height) = (f64::from(camera.width()), f64::from(camera.height()));
-        let margin = |&[u, v]: &[f64; 2]| u.min(v).min(width - 1.0 - u).min(height - 1.0 - v);
+        let to_side = |&[u, v]: &[f64; 2]| u.min(v).min(width - 1.0 - u).min(height - 1.0 - v);
         let counted =
             || corners_px.iter().enumerate().filter(|&(i, _)| seen(i)).filter_map(|(_, corner)| corner.as_ref());
+        let unseen: Vec<usize> = (0..corners_px.len()).filter(|&i| !seen(i)).collect();
+        let inside = |i: &&usize| corners_px[**i].is_some_and(|corner| camera.contains(&corner.into(), margin));
         Self {
-            unseen: (0..corners_px.len()).filter(|&i| !seen(i)).collect(),
+            hidden: unseen.iter().filter(inside).copied().collect(),
+            unseen,
+            border_px: border.filter_map(|(c, r)| grid(c, r)).collect(),
             squares_px: places.filter(|(c, r)| (c + r) % 2 == 0).filter_map(|(c, r)| square(c, r)).collect(),
-            image_share: spanned(&corners_px, board) / (width * height),
-            margin_px: counted().map(margin).fold(f64::INFINITY, f64::min),
+            image_share: image_share(camera, board, view),
+            margin_px: counted().map(to_side).fold(f64::INFINITY, f64::min),
             corners_px,
+            bodies,
         }
     }
 }
 
-/// Area of the quadrilateral of the outermost corners, px²; 0 where the lens does not show all four.
-fn spanned(corners: &[Option<[f64; 2]>], board: &Board) -> f64 {
-    let last = board.columns * (board.rows - 1);
-    let outermost = [0, board.columns - 1, last + board.columns - 1, last].map(|i| corners[i]);
+/// Area in px² of the quadrilateral of the outermost corners, a b c d around, of a view that sees all; 0 where the lens does not show
+/// all four.
+fn spanned(outermost: [Option<[f64; 2]>; 4]) -> f64 {
     let [Some(a), Some(b), Some(c), Some(d)] = outermost else { return 0.0 };
-    let around = [(a, b), (b, c), (c, d), (d, a)];
-    0.5 * around.iter().map(|(p, q)| p[0] * q[1] - p[1] * q[0]).sum::<f64>().abs()
+    area([a, b, c, d].into_iter())
 }
 
-/// As [`Picture::image_share`], of any view.
+/// Area of a polygon, px².
+fn area(corners: impl ExactSizeIterator<Item = [f64; 2]> + Clone) -> f64 {
+    let next = corners.clone().cycle().skip(1);
+    0.5 * corners.zip(next).map(|(p, q)| p[0] * q[1] - p[1] * q[0]).sum::<f64>().abs()
+}
+
+/// Share of the picture that the corners seen span.
 pub(crate) fn image_share(camera: &Camera, board: &Board, view: &View) -> f64 {
-    let project = |(column, row)| camera.project(&(view.X_CT * board.corner(column, row))).map(<[f64; 2]>::from);
+    let project = |corner: &Point3<f64>| camera.project(&(view.X_CT * corner)).map(<[f64; 2]>::from);
     let (c, r) = (board.columns - 1, board.rows - 1);
-    let corners = [(0, 0), (c, 0), (0, r), (c, r)].map(project);
-    let two = Board { columns: 2, rows: 2, ..*board };
-    spanned(&corners, &two) / (f64::from(camera.width()) * f64::from(camera.height()))
+    let area = match &view.seen {
+        Corners::All => {
+            spanned([(0, 0), (c, 0), (c, r), (0, r)].map(|(column, row)| project(&board.corner(column, row))))
+        }
+        Corners::Some(indices) => {
+            let corners: Vec<Point3<f64>> = board.corners().collect();
+            let seen = indices.iter().filter_map(|&i| project(corners.get(i)?));
+            let hull = convex_hull(&seen.map(Point2::from).collect::<Vec<_>>());
+            area(hull.iter().map(|corner| [corner.x, corner.y]))
+        }
+    };
+    area / (f64::from(camera.width()) * f64::from(camera.height()))
 }

@@ -153,6 +153,9 @@ pub struct SceneCamera {
 }
 
 impl Scene {
+    /// Points of the outline of a lens that sees less than 90° off its axis.
+    pub(crate) const OUTLINE_POINTS: usize = 4 * OUTLINE as usize;
+
     pub(crate) fn new(problem: &Problem) -> Self {
         let Problem { robot, camera, target, .. } = problem;
         let rest: Vec<f64> =

@@ -49,13 +49,15 @@ export function nameMarks() {
 
 /** Shows the choice on all elements with `data-pose` or `data-pose-panel`, and lets the former choose. */
 export function linkElements(/** @type {Choice} */ choice) {
-  choice.onChange((id) => {
+  const mark = (/** @type {string | null} */ id) => {
     for (const element of document.querySelectorAll("[data-pose], [data-pose-panel]")) {
       const own = element.getAttribute("data-pose") ?? element.getAttribute("data-pose-panel");
       element.classList.toggle("chosen", own === id);
       element.querySelector(".choose")?.setAttribute("aria-pressed", String(own === id));
     }
-  });
+  };
+  mark(choice.id);
+  choice.onChange(mark);
   const chooseFor = (/** @type {Event} */ event) => {
     const element = event.target instanceof Element && event.target.closest("[data-pose]");
     if (element) choice.choose(element.getAttribute("data-pose") ?? "");

@@ -13,26 +13,32 @@ import { readTheme } from "./theme.js";
 import { openCanvas, View } from "./view.js";
 
 document.documentElement.classList.add("js");
-start();
+const source = document.getElementById("scene-data");
+const section = document.getElementById("view3d");
+const choice = source && section && startView(JSON.parse(source.textContent), section);
+// The script of a page with a view stands right after its place, before what is below is read.
+if (document.readyState === "loading") document.addEventListener("DOMContentLoaded", linkPage);
+else linkPage();
 
-function start() {
-  nameMarks();
-  equipTables();
-  const source = document.getElementById("scene-data");
-  const section = document.getElementById("view3d");
-  if (!source || !section) return;
-  const data = JSON.parse(source.textContent);
+/** Chooses the first pose and shows it, if the browser can. */
+function startView(/** @type {any} */ data, /** @type {HTMLElement} */ section) {
   const choice = new Choice(data.poses.map((/** @type {any} */ pose) => String(pose.id)));
-  linkElements(choice);
   const controls = new Controls(section, data, choice);
   choice.step(1);
-  // The page is painted before the view, which takes longer.
-  setTimeout(() => show(data, choice, controls));
+  show(data, choice, controls);
+  return choice;
+}
+
+/** Links what the page has with the choice, and tables with their tools. */
+function linkPage() {
+  nameMarks();
+  equipTables();
+  if (choice) linkElements(choice);
 }
 
 /** Builds the 3-D view and keeps it with the chosen pose. */
 function show(/** @type {any} */ data, /** @type {Choice} */ choice, /** @type {Controls} */ controls) {
-  const { canvas, context } = openCanvas();
+  const { canvas, context } = openCanvas(controls.frame);
   if (!context) {
     controls.refuse("The 3-D view needs WebGL 2, which this browser does not offer. Everything else of the report is here.");
     return;

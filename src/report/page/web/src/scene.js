@@ -1,11 +1,14 @@
 /** The scene in three dimensions, put together. All of it is in the base frame; lengths are in m. */
-import { AmbientLight, DirectionalLight, Scene, Vector3 } from "three";
+import { Scene, Vector3 } from "three";
 import { Arm } from "./arm.js";
 import { Cameras } from "./cameras.js";
 import { forwardKinematics, transform } from "./kinematics.js";
 import { makeMaterials, tint } from "./materials.js";
 import { makeAxes, makeBoard, makeGround } from "./surroundings.js";
 import { SweptViews } from "./swept.js";
+
+/** Views that are looked at to find out how far all reach. */
+const EXTENT_VIEWS = 1000;
 
 export class Stage {
   /** @param {any} data the scene document */
@@ -25,7 +28,8 @@ export class Stage {
     this.ground = makeGround(this.arm.links[0].position, this.up, this.extent, this.materials);
 
     this.scene = new Scene().add(this.arm.group, this.cameras.group, this.views.group, this.axes.group, this.ground.lines);
-    this.scene.add(makeBoard(data.board, this.materials), ...lights(this.up));
+    this.scene.add(makeBoard(data.board, this.materials));
+    this.materials.sun.value.copy(this.up).multiplyScalar(2).add(new Vector3(0.7, -1.1, 0.4)).normalize();
   }
 
   /**
@@ -50,7 +54,9 @@ export class Stage {
     const { board, views, poses, links } = this.data;
     const [x, y] = [board.columns + 2, board.rows + 2].map((count) => (count * board.square_m) / 2);
     const points = [[-x, -y, 0], [x, -y, 0], [x, y, 0], [-x, y, 0]].map((corner) => transform(board.pose, corner));
-    for (let i = 0; i < views.positions_m.length; i += 3) points.push(views.positions_m.slice(i, i + 3));
+    // Evenly spaced ones are enough to tell how far the views reach.
+    const stride = 3 * Math.ceil(views.ids.length / EXTENT_VIEWS);
+    for (let i = 0; i < views.positions_m.length; i += stride) points.push(views.positions_m.slice(i, i + 3));
     for (const { joints } of poses) {
       const at = forwardKinematics(this.data, joints);
       const origins = at.links.filter((_, i) => !links[i].obstacle).map((link) => link.position_m);
@@ -58,12 +64,6 @@ export class Stage {
     }
     return points.map((point) => new Vector3().fromArray(point));
   }
-}
-
-function lights(/** @type {Vector3} */ up) {
-  const sun = new DirectionalLight(0xffffff, 1.7);
-  sun.position.copy(up).multiplyScalar(2).add(new Vector3(0.7, -1.1, 0.4));
-  return [new AmbientLight(0xffffff, 1.6), sun];
 }
 
 function median(/** @type {number[]} */ values) {

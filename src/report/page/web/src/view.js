@@ -9,10 +9,22 @@ const REACH_PX = 22;
 /** A pointer that went further than this, in CSS pixels, has turned the view and clicked nothing. */
 const CLICK_PX = 5;
 
-/** A canvas for the view with its WebGL context; the context is null where the browser has none. */
-export function openCanvas() {
+/** A canvas that fills `frame`, with its WebGL context, which is null where the browser has none. */
+export function openCanvas(/** @type {HTMLElement} */ frame) {
   const canvas = element("canvas", { tabIndex: 0, role: "application", "aria-label": "3-D view of the arm and its poses" });
-  return { canvas, context: canvas.getContext("webgl2", { antialias: true, alpha: true }) };
+  frame.append(canvas);
+  // Of its size from the start: another one later would cost the making of new buffers.
+  const { width, height, ratio } = sizeOf(frame);
+  Object.assign(canvas, { width: Math.floor(width * ratio), height: Math.floor(height * ratio) });
+  const context = canvas.getContext("webgl2", { antialias: true, alpha: true });
+  // three.js asks for many extensions, each of which waits for the graphics process; the view needs none.
+  if (context) context.getExtension = () => null;
+  return { canvas, context };
+}
+
+/** Width and height of the frame in CSS pixels, and device pixels drawn to a CSS pixel. */
+function sizeOf(/** @type {HTMLElement} */ frame) {
+  return { width: frame.clientWidth, height: frame.clientHeight, ratio: Math.min(window.devicePixelRatio, 2) };
 }
 
 export class View {
@@ -31,7 +43,7 @@ export class View {
     this.renderer.debug.checkShaderErrors = false;
     this.renderer.setClearColor(0, 0);
     this.overlay = element("div", { className: "labels", "aria-hidden": "true" });
-    frame.append(this.canvas, this.overlay);
+    frame.append(this.overlay);
 
     this.camera = new PerspectiveCamera(FIELD_OF_VIEW_DEG, 1, 0.01, 100);
     this.camera.up.copy(stage.up);
@@ -195,13 +207,13 @@ export class View {
 
   /** Fits the canvas to its frame; false where it does already. */
   #resize() {
-    const [width, height] = [this.frame.clientWidth, this.frame.clientHeight];
-    const ratio = Math.min(window.devicePixelRatio, 2);
+    const { width, height, ratio } = sizeOf(this.frame);
     const size = `${width} ${height} ${ratio}`;
     if (!width || !height || size === this.size) return false;
     this.size = size;
     this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(width, height, false);
+    this.stage.materials.ratio.value = ratio;
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     return true;
