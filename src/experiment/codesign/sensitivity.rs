@@ -54,6 +54,18 @@ impl Codesign {
         (0.0..1.0).contains(&shares[i]).then(|| self.place(shares))
     }
 
+    /// The first and the last share of a range at which the board is on the surface, all else as in `place`.
+    fn possible(&self, place: &Place, i: usize) -> [f64; 2] {
+        let is_possible = |share: &f64| {
+            let mut shares = place.shares.clone();
+            shares[i] = *share;
+            self.problem_at(&self.place(shares)).is_some()
+        };
+        let all = || (0..LOOKED_AT).map(|step| (step as f64 + 0.5) / LOOKED_AT as f64);
+        let (first, last) = (all().find(is_possible), all().rev().find(is_possible));
+        [first.unwrap_or(place.shares[i]), last.unwrap_or(place.shares[i])]
+    }
+
     fn map_error_at(&self, place: &Place) -> Option<f64> {
         match self.evaluate(place, None) {
             Verdict::Planned(planned) => Some(planned.map_error),
@@ -70,10 +82,11 @@ impl Codesign {
         if side == 0 {
             return None;
         }
-        let share = |i: usize| (i as f64 + 0.5) / side as f64;
+        let [across, up] = [x, y].map(|i| self.possible(&best.place, i));
+        let share = |[first, last]: [f64; 2], i: usize| first + (last - first) * i as f64 / (side.max(2) - 1) as f64;
         let place = |column: usize, row: usize| {
             let mut shares = best.place.shares.clone();
-            (shares[x], shares[y]) = (share(column), share(row));
+            (shares[x], shares[y]) = (share(across, column), share(up, row));
             self.place(shares)
         };
         let map_errors: Vec<Option<f64>> = (0..side * side)
@@ -94,6 +107,9 @@ impl Codesign {
         })
     }
 }
+
+/// Places along a range that are looked at.
+const LOOKED_AT: usize = 100;
 
 fn point(place: &Place, i: usize, map_error_px: Option<f64>) -> SensitivityPoint {
     let level = &place.levels[i];

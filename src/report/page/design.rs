@@ -85,6 +85,6 @@ fn cost(map_error: Option<f64>, best: Option<f64>) -> Cell {
             let percent = 100.0 * (map_error / best - 1.0);
             Cell::Number(format!("{percent:+.1} %"), percent)
         }
-        None => Cell::Text("no plan".into()),
+        None => Cell::Text("not possible".into()),
     }
 }

@@ -1,7 +1,7 @@
 //! A study: means over each axis, and levels compared.
 
 use crate::figures::short;
-use crate::plan::document::{AxisMeans, ComparedLevels, Mean, OutcomeSummary, StudyDocument};
+use crate::plan::document::{AxisMeans, ComparedLevels, Difference, Mean, OutcomeSummary, StudyDocument};
 use crate::report::figure::{Content, Figure, Hue, Interval, Line, Mark, Series};
 
 /// The strokes that tell series apart.
@@ -17,6 +17,9 @@ const STROKES: [(Hue, Line); 6] = [
 /// Rows of a plot of levels; more cannot be read.
 const MOST_ROWS: usize = 40;
 
+/// Rows of a plot of intervals.
+const MOST_INTERVALS: usize = 16;
+
 /// Numbers that differ by more than this factor are drawn by their logarithms.
 const WIDE: f64 = 8.0;
 
@@ -27,7 +30,7 @@ pub(super) fn figures(study: &StudyDocument) -> Vec<Figure> {
 
 fn of_outcome(summary: &OutcomeSummary) -> Vec<Figure> {
     let means = summary.means.iter().flat_map(|means| means_of(&summary.outcome, means));
-    let ratios = summary.compared.iter().filter_map(|compared| ratios(&summary.outcome, compared));
+    let ratios = summary.compared.iter().flat_map(|compared| ratios(&summary.outcome, compared));
     means.chain(ratios).collect()
 }
 
@@ -65,9 +68,8 @@ fn means_of(outcome: &str, AxisMeans { axis, means }: &AxisMeans) -> Vec<Figure>
             let is_numeric = of_part.iter().all(|mean| mean.number.is_some());
             let content = if is_numeric { lines(names, &of_part) } else { rows(names, &of_part) };
             let (x, y) = if is_numeric { (axis.clone(), label(outcome)) } else { (label(outcome), axis.clone()) };
-            let number = if part == 0 { String::new() } else { format!("-{}", part + 1) };
             Figure {
-                name: format!("{}-by-{}{number}", plain(outcome), plain(axis)).into(),
+                name: format!("{}-by-{}{}", plain(outcome), plain(axis), numbered(part)).into(),
                 title: format!("{} by {axis}", label(outcome)),
                 caption:
                     "Means over all rows with the level; thin ends, where there are any, are 95 % confidence intervals."
@@ -130,9 +132,13 @@ fn rows(names: &[&str], means: &[&Mean]) -> Content {
     Content::Rows { names: levels, series }
 }
 
-/// Levels against the first, as ratios; none where no outcome is positive.
-fn ratios(outcome: &str, ComparedLevels { axis, against, differences }: &ComparedLevels) -> Option<Figure> {
-    let row = |difference: &crate::plan::document::Difference| {
+/// Levels against the first, as ratios, where levels are names: numbers are better seen along their axis.
+fn ratios(outcome: &str, ComparedLevels { axis, against, differences }: &ComparedLevels) -> Vec<Figure> {
+    let is_numeric = |difference: &Difference| difference.level.parse::<f64>().is_ok();
+    if differences.iter().all(is_numeric) {
+        return Vec::new();
+    }
+    let row = |difference: &Difference| {
         let ratio = difference.ratio?;
         let name = match difference.series.as_str() {
             "" => difference.level.clone(),
@@ -141,16 +147,24 @@ fn ratios(outcome: &str, ComparedLevels { axis, against, differences }: &Compare
         let [low, high] = difference.ratio_interval.unwrap_or([ratio, ratio]);
         Some(Interval { name, value: ratio, range: (low, high) })
     };
-    let rows: Vec<Interval> = differences.iter().filter_map(row).take(MOST_ROWS).collect();
-    (!rows.is_empty()).then(|| Figure {
-        name: format!("{}-ratio-by-{}", plain(outcome), plain(axis)).into(),
-        title: format!("{} against {axis} {against}", label(outcome)),
-        caption: format!(
-            "Ratio of the outcome to that at {axis} {against}, all else being equal: geometric means and their 95 % confidence \
-             intervals."
-        ),
-        x: format!("ratio of {}", label(outcome)),
-        y: axis.clone(),
-        content: Content::Intervals { rows, expected: 1.0 },
-    })
+    let rows: Vec<Interval> = differences.iter().filter_map(row).collect();
+    let parts = rows.chunks(MOST_INTERVALS).enumerate();
+    parts
+        .map(|(part, rows)| Figure {
+            name: format!("{}-ratio-by-{}{}", plain(outcome), plain(axis), numbered(part)).into(),
+            title: format!("{} against {axis} {against}", label(outcome)),
+            caption: format!(
+                "Ratio of the outcome to that at {axis} {against}, all else being equal: geometric means and their 95 % confidence \
+                 intervals."
+            ),
+            x: format!("ratio of {}", label(outcome)),
+            y: axis.clone(),
+            content: Content::Intervals { rows: rows.to_vec(), expected: 1.0 },
+        })
+        .collect()
+}
+
+/// What is added to the name of a figure that is not the first of its kind.
+fn numbered(part: usize) -> String {
+    if part == 0 { String::new() } else { format!("-{}", part + 1) }
 }
