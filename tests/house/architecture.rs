@@ -28,7 +28,7 @@ const ORDER: [&str; 18] = [
 ];
 
 /// The files and rooms in a room; each may use those before it, and all may use the room's own `mod.rs`.
-const ROOMS: [(&str, &[&str]); 28] = [
+const ROOMS: [(&str, &[&str]); 29] = [
     (
         "selection",
         &[
@@ -115,7 +115,8 @@ const ROOMS: [(&str, &[&str]); 28] = [
         &["locate", "compare", "explain", "verify", "forecast", "polish", "next", "reach", "review", "certify"],
     ),
     ("plan::document::study", &["cell", "summary", "work"]),
-    ("experiment", &["file", "factor", "stages", "study"]),
+    ("experiment", &["file", "factor", "stages", "study", "engine"]),
+    ("experiment::engine", &["quoting", "work", "job", "local", "slurm", "hyperqueue"]),
     ("experiment::file", &["factor", "study"]),
     ("experiment::study", &["read", "cell", "store", "run", "statistics", "table", "summary", "forecast"]),
     ("report", &["outcome", "figure", "drawing", "plots", "page"]),

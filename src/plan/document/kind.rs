@@ -13,7 +13,7 @@ use super::plan::{Plan, PolishedPlan, Run};
 use super::problem::{BoardDocument, CheckDocument, InitDocument, ReachDocument, SweepDocument};
 use super::refusal::ErrorDocument;
 use super::review::Review;
-use super::study::{CellDocument, CellsDocument, StudyCheckDocument, StudyDocument};
+use super::study::{CellDocument, CellsDocument, JobDocument, StudyCheckDocument, StudyDocument};
 
 /// A kind of document.
 #[derive(Debug, Clone, Copy)]
@@ -27,7 +27,7 @@ pub struct Kind {
 
 impl Kind {
     /// Every kind, those first that are written beside a plan.
-    pub const ALL: [Self; 21] = [
+    pub const ALL: [Self; 22] = [
         Self::of::<Plan>(),
         Self::of::<Run>(),
         Self::of::<Verification>(),
@@ -48,6 +48,7 @@ impl Kind {
         Self::of::<CellDocument>(),
         Self::of::<CellsDocument>(),
         Self::of::<StudyCheckDocument>(),
+        Self::of::<JobDocument>(),
         Self::of::<ErrorDocument>(),
     ];
 

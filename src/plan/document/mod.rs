@@ -40,8 +40,8 @@ pub use review::{
     SceneMotion, SceneShape, SceneSolid, SurveyedViews,
 };
 pub use study::{
-    AxisMeans, CellDocument, CellOutcome, CellRow, CellSeconds, CellsDocument, ComparedLevels, Difference, Mean,
-    OutcomeSummary, ReasonCount, SimulatedOutcome, StudyAxis, StudyCheckDocument, StudyDocument,
+    AxisMeans, CellDocument, CellOutcome, CellRow, CellSeconds, CellsDocument, ComparedLevels, Difference, JobDocument,
+    Mean, OutcomeSummary, ReasonCount, SimulatedOutcome, StudyAxis, StudyCheckDocument, StudyDocument,
 };
 pub use views::views_csv;
 #[cfg(feature = "parquet")]

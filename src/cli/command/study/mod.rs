@@ -1,6 +1,8 @@
 //! `calipose study`.
 
 mod merge;
+mod processes;
+mod submit;
 
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
@@ -12,6 +14,7 @@ use crate::cli::output::{Screen, duration, grouped};
 use crate::experiment::{Forecast, RunError, Shard, Store, Study, run as run_cells};
 use crate::plan::document::{CellsDocument, Document};
 use merge::merge;
+use submit::{SubmitArguments, submit};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum StudyCommand {
@@ -23,6 +26,8 @@ pub(crate) enum StudyCommand {
     Cell(CellArguments),
     /// Make tables, figures and the page of cells that are all there
     Merge(StudyArguments),
+    /// Write a job that computes the cells on several machines and merges them, and start it
+    Submit(SubmitArguments),
 }
 
 #[derive(Debug, Args)]
@@ -78,6 +83,7 @@ pub(crate) fn run(command: &StudyCommand, screen: &mut Screen) -> Result<(), Fai
             let (study, folder) = arguments.study()?;
             merge(&study, &Store::alone(&folder, &study, arguments.force)?, screen)
         }
+        StudyCommand::Submit(arguments) => submit(arguments, screen),
     }
 }
 
