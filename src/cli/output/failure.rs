@@ -242,7 +242,7 @@ fn no_engine_help(engine: &str) -> &'static str {
 
 fn engine_help(engine: &str, before: &str) -> String {
     match (engine, before) {
-        ("slurm", "") => "give what the cluster asks for by --option, as in --option=--partition=short".into(),
+        ("slurm", "") => "is this a machine of the cluster? give what the cluster asks for by --option, as in --option=--partition=short".into(),
         ("slurm", before) => format!(
             "job {before}, the cells, was submitted before: end it by `scancel {before}`, or let it go on and merge them by hand"
         ),

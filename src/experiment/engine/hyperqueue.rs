@@ -4,8 +4,8 @@ use super::job::Job;
 use super::quoting::python;
 use super::work::Work;
 
-/// Name of the script.
-pub(super) const FILE: &str = "hyperqueue.py";
+/// Name of the script; not the package's, which Python would take it for.
+pub(super) const FILE: &str = "submit.py";
 
 /// The script, and how it is run.
 pub(super) fn job(work: &Work) -> Job {
@@ -73,14 +73,14 @@ mod tests {
     #[test]
     fn the_script_says_what_is_done_in_its_first_lines() {
         let script = script(&work());
-        let head = r##"
+        let head = r#"
 CALIPOSE = "/opt/calipose"
 STUDY = "/home/o'neil/my studies/\"k\" $HOME.toml"
 OUTPUT = "/scratch/100% new\\old"
 SHARDS = 4
 CORES = 1
 
-"##;
+"#;
         assert!(script.contains(head), "{script}");
         assert!(script.contains("Job(name=\"Poses\\n#SBATCH --exclusive\", "), "{script}");
         assert!(

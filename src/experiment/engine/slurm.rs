@@ -88,7 +88,7 @@ mod tests {
 
     #[test]
     fn the_array_has_a_task_for_each_shard() {
-        let expected = r##"#!/bin/sh
+        let expected = r#"#!/bin/sh
 # Study "Poses #SBATCH --exclusive": 8 cells in 4 shards, each a task of this job array.
 #
 # Submitted in this folder: sbatch cells.sbatch
@@ -101,7 +101,7 @@ mod tests {
 #SBATCH --requeue
 
 exec /opt/calipose study cell '/home/o'\''neil/my studies/"k" $HOME.toml' --shard "$SLURM_ARRAY_TASK_ID/4" --output '/scratch/100% new\old' --threads "$SLURM_CPUS_PER_TASK"
-"##;
+"#;
         assert_eq!(cells(&work()), expected);
     }
 

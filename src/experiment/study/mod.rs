@@ -96,6 +96,18 @@ pub enum CellFault {
     Simulation(String),
 }
 
+impl CellFault {
+    /// What is wrong, in a row: names no file, whose path is another on each machine.
+    fn reason(&self) -> String {
+        match self {
+            Self::Problem(error) if error.faults().len() > 1 => {
+                error.faults().iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
+            }
+            other => other.to_string(),
+        }
+    }
+}
+
 /// Calibrations to simulate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Simulation {
@@ -228,4 +240,18 @@ impl Study {
 /// Whether `KEY=VALUE` is of a key of the simulation.
 fn is_of_simulation(text: &str) -> bool {
     text.trim_start().starts_with(SIMULATE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_refused_cell_tells_all_that_is_wrong_and_no_path() {
+        let text = include_str!("../../../problems/servosila-engineer.toml");
+        let text = text.replace("width_px = 1280", "width_px = 0").replace("fx_px = 1000", "fx_px = -1");
+        let error = Problem::parse(&text, Path::new("/somewhere/arm.toml")).unwrap_err();
+        let reason = CellFault::from(error).reason();
+        assert!(reason.contains("width_px") && reason.contains("fx_px") && !reason.contains("arm"), "{reason}");
+    }
 }

@@ -52,6 +52,12 @@ pub(super) fn submit(arguments: &SubmitArguments, screen: &mut Screen) -> Result
     }
     let (study, output) = arguments.arguments.study()?;
     let work = arguments.work(&study, &output)?;
+    if *engine == Engine::Slurm && work.output.contains(['%', '\\']) {
+        return Err(Failure::Usage(format!(
+            "Slurm reads % and \\ in the names of its logs in its own way, and these would be in {}; choose another folder with --output",
+            work.output
+        )));
+    }
     // That another run is at work, or the folder another study's, is better told now than by each of the tasks.
     drop(Store::alone(&output, &study, work.force)?);
     let job = engine.job(&work, options);
@@ -125,7 +131,7 @@ impl SubmitArguments {
         let counted =
             |count: usize, what: &str| format!("{} {what}{}", grouped(count), if count == 1 { "" } else { "s" });
         let asked = match self.shards {
-            Some(asked) if asked > shards => format!(": no more than cells, so not {}", grouped(asked)),
+            Some(asked) if asked > shards => format!("; {} would leave some without a cell", grouped(asked)),
             _ => String::new(),
         };
         let names: Vec<&str> = job.files.iter().map(|(name, _)| *name).collect();
