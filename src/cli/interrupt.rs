@@ -1,8 +1,10 @@
 //! Interrupts: Ctrl-C, a termination, a hang-up. They end a search with the best it has, and the process only between files,
 //! never within a group that belongs together.
 
+use std::collections::BTreeMap;
+use std::process::Child;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Held while files are written, so that an interrupt waits for them.
 static WRITING: Mutex<()> = Mutex::new(());
@@ -12,6 +14,9 @@ static SEARCHING: AtomicBool = AtomicBool::new(false);
 
 /// Whether it was interrupted.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// Processes that work for this one, by their numbers.
+static STARTED: Mutex<BTreeMap<usize, Child>> = Mutex::new(BTreeMap::new());
 
 /// Says whether there is a search that can be ended with a result.
 pub(super) fn searching(on: bool) {
@@ -29,11 +34,21 @@ pub(super) fn writing<T>(write: impl FnOnce() -> T) -> T {
     write()
 }
 
+/// The processes that work for this one, which an interrupt ends with it.
+pub(super) fn started() -> MutexGuard<'static, BTreeMap<usize, Child>> {
+    STARTED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 fn interrupt(exit_code: i32) {
     if SEARCHING.load(Ordering::SeqCst) && !INTERRUPTED.swap(true, Ordering::SeqCst) {
         return;
     }
-    writing(|| std::process::exit(exit_code));
+    writing(|| {
+        let mut held = started();
+        // One that has ended meanwhile needs no ending.
+        held.values_mut().for_each(|child| drop(child.kill()));
+        std::process::exit(exit_code)
+    });
 }
 
 /// Handles interrupts from now on. Those that were ignored before, as by `nohup`, stay so. Without a handler they still end

@@ -29,6 +29,18 @@ pub enum SettingFault {
     Simulation(String),
 }
 
+impl SettingFault {
+    /// What is wrong, in a row: names no file, whose path is another on each machine.
+    pub(super) fn reason(&self) -> String {
+        match self {
+            Self::Problem(error) if error.faults().len() > 1 => {
+                error.faults().iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
+            }
+            other => other.to_string(),
+        }
+    }
+}
+
 impl Base {
     /// The problem file that the key names, relative to `folder`; none if there is no such file.
     ///

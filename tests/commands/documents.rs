@@ -172,6 +172,7 @@ fn every_document_is_as_its_schema_says() {
     }
     let problem = Problem::read(&desk.path("coarse.toml")).unwrap();
     std::fs::write(desk.path("seen.json"), observations(&plan, &problem).to_string()).unwrap();
+    std::fs::write(desk.path("study.toml"), "problems = [\"coarse.toml\"]\nchoose.counts = [9, 12]\n").unwrap();
     for line in [
         "report out/plan.json",
         "figures out/plan.json --format svg",
@@ -188,6 +189,10 @@ fn every_document_is_as_its_schema_says() {
         "check coarse.toml",
         "board coarse.toml",
         "init new.toml",
+        "study check study.toml",
+        "study run study.toml -o study",
+        "study cell study.toml 0 -o study",
+        "study submit study.toml --engine slurm -o study --dry-run",
     ] {
         let output = desk.run(&format!("{line} --json"));
         let document = serde_json::from_slice(&output.stdout);
@@ -218,6 +223,10 @@ fn every_document_is_as_its_schema_says() {
         held.hold_file(&desk.path("out").join(file));
     }
     held.hold_file(&desk.path("camera/calibration.json"));
+    let cells = std::fs::read_dir(desk.path("study/cells")).unwrap().flatten();
+    for cell in cells.flat_map(|folder| std::fs::read_dir(folder.path()).unwrap().flatten()) {
+        held.hold_file(&cell.path());
+    }
     desk.change("typo.toml", &[("width_px", "widht_px")]);
     for line in ["check typo.toml", "check none.toml", "plan", "verify seen.json"] {
         held.hold(&serde_json::from_slice(&desk.run(&format!("{line} --json")).stderr).unwrap());

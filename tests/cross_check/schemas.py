@@ -20,6 +20,7 @@ from environment import run_with
 ROOT = Path(__file__).resolve().parents[2]
 PROBLEM = ROOT / "problems/servosila-engineer.toml"
 CORNERS = ROOT / "problems/examples/servosila-corners.vnl"
+STUDY = "study.toml"
 LINES = [
     f"plan {PROBLEM} -o out --trials 2",
     "report out/plan.json",
@@ -36,6 +37,10 @@ LINES = [
     f"check {PROBLEM}",
     f"board {PROBLEM} --tile -o drawn",
     "init new.toml",
+    f"study check {STUDY}",
+    f"study run {STUDY} -o study",
+    f"study cell {STUDY} 0 -o study",
+    f"study submit {STUDY} --engine slurm -o study --dry-run",
     "check none.toml",
     f"plan {PROBLEM} --set camera.fx_px=0",
 ]
@@ -62,10 +67,12 @@ def main():
     subprocess.run(["cargo", "build", "--release", "--locked", "--quiet"], cwd=ROOT, check=True)
     wrong, kinds = [], set()
     with tempfile.TemporaryDirectory() as folder:
+        study = f"problems = ['{PROBLEM}']\nset = ['sweep.step_deg=20']\nchoose.counts = [9, 12]\n"
+        (Path(folder) / STUDY).write_text(study)
         for line in LINES:
             out, error = calipose(f"{line} --json", folder)
             documents = [json.loads(out or error)]
-            for path in Path(folder).glob("*/*.json"):
+            for path in Path(folder).glob("**/*.json"):
                 document = json.loads(path.read_text())
                 if str(document.get("format", "")).startswith("calipose."):
                     documents.append(document)

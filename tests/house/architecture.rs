@@ -28,7 +28,7 @@ const ORDER: [&str; 18] = [
 ];
 
 /// The files and rooms in a room; each may use those before it, and all may use the room's own `mod.rs`.
-const ROOMS: [(&str, &[&str]); 29] = [
+const ROOMS: [(&str, &[&str]); 30] = [
     (
         "selection",
         &[
@@ -127,9 +127,10 @@ const ROOMS: [(&str, &[&str]); 29] = [
         &["locate", "compare", "explain", "verify", "forecast", "polish", "next", "reach", "review", "certify"],
     ),
     ("plan::document::study", &["cell", "summary", "work"]),
-    ("experiment", &["file", "base", "factor", "stages", "study", "codesign"]),
+    ("experiment", &["file", "base", "factor", "stages", "study", "engine", "codesign"]),
     ("experiment::file", &["factor", "study", "design"]),
     ("experiment::codesign", &["read", "evaluate", "sensitivity", "problem_file", "search"]),
+    ("experiment::engine", &["quoting", "work", "job", "local", "slurm", "hyperqueue"]),
     ("experiment::study", &["read", "cell", "store", "run", "statistics", "table", "summary", "forecast"]),
     ("report", &["documents", "outcome", "figure", "drawing", "plots", "page"]),
     (

@@ -105,6 +105,18 @@ pub(crate) enum Failure {
     #[error(transparent)]
     #[diagnostic(help("{}", run_help(.0)))]
     Run(#[from] RunError),
+    #[error("{what} failed:\n{said}")]
+    #[diagnostic(help(
+        "the other processes were ended; the cells computed so far are kept, and when it is submitted again only those that are \
+         missing are computed"
+    ))]
+    Process { what: String, said: String },
+    #[error("the engine {engine} is not here: {missing} is not found")]
+    #[diagnostic(help("{}", no_engine_help(engine)))]
+    NoEngine { engine: &'static str, missing: String },
+    #[error("the engine {engine} refused `{command}`:\n{said}")]
+    #[diagnostic(help("{}", engine_help(engine, before)))]
+    Engine { engine: &'static str, command: String, said: String, before: String },
     #[error("{0}")]
     Usage(String),
     #[error("cannot write the table: {0}")]
@@ -142,6 +154,9 @@ impl Failure {
             Failure::Store(StoreError::Busy { .. }) => "busy",
             Failure::Store(StoreError::Other { .. }) => "other-study",
             Failure::Incomplete { .. } => "incomplete",
+            Failure::Process { .. } => "process",
+            Failure::NoEngine { .. } => "no-engine",
+            Failure::Engine { .. } => "engine",
             Failure::Verify(_) => "no-verification",
         }
     }
@@ -222,6 +237,31 @@ fn unreached_help(joints: usize) -> String {
         )
     } else {
         "the configuration shown is the best approximation found; request a pose nearer to the arm".into()
+    }
+}
+
+fn no_engine_help(engine: &str) -> &'static str {
+    match engine {
+        "slurm" => {
+            "submit it on a machine of the cluster that has Slurm's commands; `--dry-run` only writes the job, and `--engine local` \
+             runs it here"
+        }
+        _ => {
+            "install it, as by `pip install hyperqueue`, and activate the environment that has it; `--dry-run` only writes the job, and \
+             `--engine local` runs it here"
+        }
+    }
+}
+
+fn engine_help(engine: &str, before: &str) -> String {
+    match (engine, before) {
+        ("slurm", "") => "is this a machine of the cluster? give what the cluster asks for by --option, as in --option=--partition=short".into(),
+        ("slurm", before) => format!(
+            "job {before}, the cells, was submitted before: end it by `scancel {before}`, or let it go on and merge them by hand"
+        ),
+        _ => "start a server by `hq server start` and a worker by `hq worker start`; a server in another folder than ~/.hq-server is \
+              found by HQ_SERVER_DIR"
+            .into(),
     }
 }
 

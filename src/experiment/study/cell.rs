@@ -31,7 +31,7 @@ impl PreparedCell {
     pub(super) fn new(study: &Study, index: usize) -> Self {
         let cell = study.cell(index);
         let problem = study.problem(&cell).and_then(|problem| Ok((problem, study.simulation(&cell)?)));
-        let problem = problem.map_err(|fault| fault.to_string());
+        let problem = problem.map_err(|fault| fault.reason());
         let stages = problem.as_ref().ok().map(|(problem, _)| StageKeys::of(problem));
         let version = (env!("CARGO_PKG_VERSION"), CellDocument::VERSION);
         let fingerprint = Fingerprint::of(&(version, &problem, &study.choices)).hex();

@@ -204,3 +204,17 @@ impl Study {
 fn is_of_simulation(text: &str) -> bool {
     text.trim_start().starts_with(SIMULATE)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_refused_cell_tells_all_that_is_wrong_and_no_path() {
+        let text = include_str!("../../../problems/servosila-engineer.toml");
+        let text = text.replace("width_px = 1280", "width_px = 0").replace("fx_px = 1000", "fx_px = -1");
+        let error = Problem::parse(&text, Path::new("/somewhere/arm.toml")).unwrap_err();
+        let reason = CellFault::from(error).reason();
+        assert!(reason.contains("width_px") && reason.contains("fx_px") && !reason.contains("arm"), "{reason}");
+    }
+}

@@ -14,7 +14,7 @@ use super::plan::{Plan, PolishedPlan, Run};
 use super::problem::{BoardDocument, CheckDocument, InitDocument, ReachDocument, SweepDocument};
 use super::refusal::ErrorDocument;
 use super::review::Review;
-use super::study::{CellDocument, CellsDocument, StudyCheckDocument, StudyDocument};
+use super::study::{CellDocument, CellsDocument, JobDocument, StudyCheckDocument, StudyDocument};
 
 /// A kind of document.
 #[derive(Debug, Clone, Copy)]
@@ -28,7 +28,7 @@ pub struct Kind {
 
 impl Kind {
     /// Every kind, those first that are written beside a plan.
-    pub const ALL: [Self; 23] = [
+    pub const ALL: [Self; 24] = [
         Self::of::<Plan>(),
         Self::of::<Run>(),
         Self::of::<Verification>(),
@@ -51,6 +51,7 @@ impl Kind {
         Self::of::<StudyCheckDocument>(),
         Self::of::<DesignDocument>(),
         Self::of::<DesignCheckDocument>(),
+        Self::of::<JobDocument>(),
         Self::of::<ErrorDocument>(),
     ];
 

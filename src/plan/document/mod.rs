@@ -44,8 +44,8 @@ pub use review::{
 };
 pub(crate) use review::{Space, image_share};
 pub use study::{
-    AxisMeans, CellDocument, CellOutcome, CellRow, CellSeconds, CellsDocument, ComparedLevels, Difference, Mean,
-    OutcomeSummary, ReasonCount, SimulatedOutcome, StudyAxis, StudyCheckDocument, StudyDocument,
+    AxisMeans, CellDocument, CellOutcome, CellRow, CellSeconds, CellsDocument, ComparedLevels, Difference, JobDocument,
+    Mean, OutcomeSummary, ReasonCount, SimulatedOutcome, StudyAxis, StudyCheckDocument, StudyDocument,
 };
 pub use views::views_csv;
 #[cfg(feature = "parquet")]

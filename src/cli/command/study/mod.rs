@@ -1,6 +1,8 @@
 //! `calipose study`.
 
 mod merge;
+mod processes;
+mod submit;
 
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
@@ -13,6 +15,7 @@ use crate::experiment::{Forecast, RunError, Shard, Store, Study, run as run_cell
 use crate::plan::document::{CellsDocument, Document};
 pub(super) use merge::drawn;
 use merge::merge;
+use submit::{SubmitArguments, submit};
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum StudyCommand {
@@ -24,6 +27,8 @@ pub(crate) enum StudyCommand {
     Cell(CellArguments),
     /// Make tables, figures and the page of cells that are all there
     Merge(StudyArguments),
+    /// Write a job that computes the cells on several machines and merges them, and start it
+    Submit(SubmitArguments),
 }
 
 #[derive(Debug, Args)]
@@ -79,6 +84,7 @@ pub(crate) fn run(command: &StudyCommand, screen: &mut Screen) -> Result<(), Fai
             let (study, folder) = arguments.study()?;
             merge(&study, &Store::alone(&folder, &study, arguments.force)?, screen)
         }
+        StudyCommand::Submit(arguments) => submit(arguments, screen),
     }
 }
 

@@ -6,4 +6,4 @@ mod work;
 
 pub use cell::{CellDocument, CellOutcome, CellRow, CellSeconds, SimulatedOutcome};
 pub use summary::{AxisMeans, ComparedLevels, Difference, Mean, OutcomeSummary, ReasonCount, StudyAxis, StudyDocument};
-pub use work::{CellsDocument, StudyCheckDocument};
+pub use work::{CellsDocument, JobDocument, StudyCheckDocument};

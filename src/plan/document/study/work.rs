@@ -45,6 +45,43 @@ pub struct CellsDocument {
     pub computed: usize,
 }
 
+/// A job that computes a study's cells in shards and merges them.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct JobDocument {
+    /// What it is and what made it.
+    #[serde(flatten)]
+    pub header: Header,
+    /// Name of the study.
+    pub name: String,
+    /// What runs the job: "local", "slurm" or "hyperqueue".
+    pub engine: String,
+    /// Cells of the study.
+    pub cells: usize,
+    /// Shards of them, each a task.
+    pub shards: usize,
+    /// Cores that a shard works on.
+    pub cores: usize,
+    /// Folder for the results.
+    pub output: PathBuf,
+    /// Folder with the job's files.
+    pub folder: PathBuf,
+    /// Names of the files.
+    pub files: Vec<String>,
+    /// Whether the job was started, or only written. One that is local is done by then.
+    pub started: bool,
+    /// Command lines that start the job in its folder, one after the other; none of one that is local.
+    pub start: Vec<Vec<String>>,
+    /// What the engine calls what it started, one name for each of the command lines.
+    pub jobs: Vec<String>,
+    /// Command line that merges the cells again.
+    pub merge: Vec<String>,
+}
+
+impl Document for JobDocument {
+    const FORMAT: &'static str = "calipose.job";
+    const VERSION: u32 = 1;
+}
+
 impl Document for StudyCheckDocument {
     const FORMAT: &'static str = "calipose.study-check";
     const VERSION: u32 = 1;
