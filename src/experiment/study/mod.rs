@@ -214,7 +214,7 @@ mod tests {
         let text = include_str!("../../../problems/servosila-engineer.toml");
         let text = text.replace("width_px = 1280", "width_px = 0").replace("fx_px = 1000", "fx_px = -1");
         let error = Problem::parse(&text, Path::new("/somewhere/arm.toml")).unwrap_err();
-        let reason = CellFault::from(error).reason();
+        let reason = SettingFault::from(error).reason();
         assert!(reason.contains("width_px") && reason.contains("fx_px") && !reason.contains("arm"), "{reason}");
     }
 }
