@@ -66,10 +66,11 @@ impl Codesign {
         }
     }
 
-    /// The set-up as the problem file has it, with the values of what is free left open.
+    /// The set-up of the problem file by itself, without what the design sets.
     pub(super) fn as_given(&self) -> Option<Planned> {
         let place = Place { shares: Vec::new(), levels: Vec::new() };
-        match judge(&place, &self.problem, None) {
+        let problem = self.base.problem(std::iter::empty()).ok()?;
+        match judge(&place, &problem, None) {
             Verdict::Planned(found) => Some(*found),
             Verdict::Refused | Verdict::NoPlan | Verdict::Discarded => None,
         }

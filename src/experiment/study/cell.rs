@@ -23,6 +23,7 @@ pub(super) struct PreparedCell {
     pub(super) fingerprint: String,
     /// The problem and what to simulate, or why there is none.
     pub(super) problem: Result<(Problem, Simulation), String>,
+    /// What its survey follows from; none of a survey that no other cell can have.
     pub(super) stages: Option<StageKeys>,
 }
 
@@ -32,7 +33,9 @@ impl PreparedCell {
         let cell = study.cell(index);
         let problem = study.problem(&cell).and_then(|problem| Ok((problem, study.simulation(&cell)?)));
         let problem = problem.map_err(|fault| fault.reason());
-        let stages = problem.as_ref().ok().map(|(problem, _)| StageKeys::of(problem));
+        // What a survey is refined with depends on the selection, and so belongs to its cell alone.
+        let shared = problem.as_ref().ok().filter(|(problem, _)| problem.refinement.rounds == 0);
+        let stages = shared.map(|(problem, _)| StageKeys::of(problem));
         let version = (env!("CARGO_PKG_VERSION"), CellDocument::VERSION);
         let fingerprint = Fingerprint::of(&(version, &problem, &study.choices)).hex();
         Self { index, fingerprint, problem, stages }
@@ -50,24 +53,19 @@ impl PreparedCell {
         let mut seconds = CellSeconds::default();
         let (problem, rows) = match (&self.problem, &self.stages) {
             (Ok((problem, simulation)), Some(keys)) => {
-                let reference = ProblemReference::new(problem);
-                let refined = problem.refinement.rounds > 0;
-                let rows = if refined {
-                    // What a survey is refined with depends on the selection, and so belongs to this cell alone.
-                    let survey = refined_survey(problem, &|_| {});
-                    seconds.survey = start.elapsed().as_secs_f64();
-                    rows(problem, survey.as_ref().map_err(ToString::to_string), choices, simulation)
-                } else {
-                    let survey = stages.survey(problem, keys);
-                    seconds.survey = start.elapsed().as_secs_f64();
-                    let survey = survey.get().ok_or_else(String::new);
-                    let survey = survey.and_then(|survey| survey.as_ref().map_err(ToString::to_string));
-                    rows(problem, survey, choices, simulation)
-                };
-                (reference, rows)
+                let survey = stages.survey(problem, keys);
+                seconds.survey = start.elapsed().as_secs_f64();
+                let survey = survey.get().ok_or_else(String::new);
+                let survey = survey.and_then(|survey| survey.as_ref().map_err(ToString::to_string));
+                (ProblemReference::new(problem), rows(problem, survey, choices, simulation))
+            }
+            (Ok((problem, simulation)), None) => {
+                let survey = refined_survey(problem, &|_| {});
+                seconds.survey = start.elapsed().as_secs_f64();
+                let survey = survey.as_ref().map_err(ToString::to_string);
+                (ProblemReference::new(problem), rows(problem, survey, choices, simulation))
             }
             (Err(reason), _) => (base(), refused(reason, choices)),
-            (Ok(_), None) => (base(), Vec::new()),
         };
         seconds.rows = start.elapsed().as_secs_f64() - seconds.survey;
         CellDocument { header: CellDocument::header(), fingerprint: self.fingerprint.clone(), problem, rows, seconds }

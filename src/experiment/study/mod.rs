@@ -123,6 +123,11 @@ impl Study {
         self.bases.len() * self.settings()
     }
 
+    /// Whether settings are drawn.
+    pub(crate) fn is_sampled(&self) -> bool {
+        matches!(self.layout, Layout::Sampled { .. })
+    }
+
     /// Names of the base problems.
     pub fn problems(&self) -> Vec<&str> {
         self.bases.iter().map(|base| base.name.as_str()).collect()

@@ -21,14 +21,14 @@ pub struct Results {
     cells: Vec<(usize, CellDocument)>,
 }
 
-/// Levels that an axis of numbers has at most; more are put together in intervals.
+/// Levels that an axis of drawn numbers has at most; more are put together in intervals.
 const MOST_LEVELS: usize = 12;
 
 /// Intervals that numbers are put together in, with as many rows in each.
 const INTERVALS: usize = 6;
 
-/// What of a row is chosen, not set: rows of the same series are of one line in a plot.
-const TREATMENTS: [&str; 3] = ["criterion", "count", "method"];
+/// What tells series apart: rows of the same series are of one line in a plot. Means over several problems would be of none of them.
+const SERIES: [&str; 4] = ["problem", "criterion", "count", "method"];
 
 impl Results {
     /// Reads all cells of `study`; the numbers of those that are not there, if any are missing.
@@ -116,12 +116,12 @@ struct Axis {
 /// Everything with at least two levels.
 fn axes(study: &Study, table: &StudyTable) -> Vec<Axis> {
     let factors = study.factors.iter().map(|factor| factor.name.as_str());
-    let names = std::iter::once("problem").chain(factors).chain(TREATMENTS);
-    let axes = names.filter_map(|name| Some(axis(name, table.column(name)?, table.len())));
+    let names = SERIES[..1].iter().copied().chain(factors).chain(SERIES[1..].iter().copied());
+    let axes = names.filter_map(|name| Some(axis(name, table.column(name)?, table.len(), study.is_sampled())));
     axes.filter(|axis| axis.levels.len() > 1).collect()
 }
 
-fn axis(name: &str, values: &Values, rows: usize) -> Axis {
+fn axis(name: &str, values: &Values, rows: usize, drawn: bool) -> Axis {
     let mut levels: Vec<String> = Vec::new();
     let mut place: BTreeMap<String, usize> = BTreeMap::new();
     let of_row = (0..rows).map(|row| {
@@ -134,7 +134,7 @@ fn axis(name: &str, values: &Values, rows: usize) -> Axis {
     let of_row: Vec<Option<usize>> = of_row.collect();
     let numbers: Option<Vec<f64>> = levels.iter().map(|level| level.parse().ok()).collect();
     match numbers {
-        Some(numbers) if levels.len() > MOST_LEVELS => in_intervals(name, &numbers, &of_row),
+        Some(numbers) if drawn && levels.len() > MOST_LEVELS => in_intervals(name, &numbers, &of_row),
         numbers => Axis { name: name.to_owned(), levels, numbers, of_row },
     }
 }
@@ -168,9 +168,9 @@ fn summarised(table: &StudyTable, axes: &[Axis], outcome: &str) -> OutcomeSummar
     }
 }
 
-/// The name of a row's series: its levels on the axes of what is chosen, but for `axis`; none where the row does not say.
+/// The name of a row's series: its levels on the axes that tell series apart, but for `axis`; none where the row does not say.
 fn series(axes: &[Axis], axis: &Axis, row: usize) -> Option<String> {
-    let others = axes.iter().filter(|other| TREATMENTS.contains(&other.name.as_str()) && other.name != axis.name);
+    let others = axes.iter().filter(|other| SERIES.contains(&other.name.as_str()) && other.name != axis.name);
     let names: Option<Vec<String>> = others
         .map(|other| {
             let level = &other.levels[other.of_row[row]?];

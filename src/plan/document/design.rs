@@ -23,7 +23,7 @@ pub struct DesignDocument {
     pub criterion: String,
     /// Number of poses.
     pub count: usize,
-    /// The set-up as the problem file has it; `null` if it has no plan.
+    /// The set-up of the problem file by itself, without what the design sets in all set-ups; `null` if it has no plan.
     pub as_given: Option<SetUp>,
     /// The best set-up.
     pub best: SetUp,

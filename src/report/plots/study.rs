@@ -5,10 +5,11 @@ use crate::plan::document::{AxisMeans, ComparedLevels, Difference, Mean, Outcome
 use crate::report::figure::{Content, Figure, Hue, Interval, Line, Mark, Series};
 
 /// The strokes that tell series apart.
-const STROKES: [(Hue, Line); 6] = [
+const STROKES: [(Hue, Line); 7] = [
     (Hue::Plan, Line::Solid),
     (Hue::Other, Line::Solid),
     (Hue::Bound, Line::Solid),
+    (Hue::Views, Line::Solid),
     (Hue::Plan, Line::Dashed),
     (Hue::Other, Line::Dashed),
     (Hue::Bound, Line::Dashed),

@@ -155,13 +155,13 @@ pub(crate) fn check(path: &Path, screen: &mut Screen) -> Result<(), Failure> {
     screen.document(&forecast.document(&study))?;
     let Forecast { cells, surveys, rows, seconds, bytes } = forecast;
     screen.text(&format!(
-        "{}: valid.\n{} cells of {} on {}, {} rows.\nThe cells share about {} surveys.\nA run would take about {} and {} MB on this \
+        "{}: valid.\n{} of {} on {}, {}.\nSurveys to make: about {}.\nA run would take about {} and {} MB on this \
          machine, and write to {}.",
         study.name,
-        grouped(cells),
+        counted(cells, "cell"),
         factors(&study),
         problems(&study),
-        grouped(rows),
+        counted(rows, "row"),
         grouped(surveys),
         duration(seconds),
         grouped((bytes / 1e6).ceil() as usize),
@@ -172,9 +172,13 @@ pub(crate) fn check(path: &Path, screen: &mut Screen) -> Result<(), Failure> {
 fn factors(study: &Study) -> String {
     match study.factors.len() {
         0 => "no factors".into(),
-        1 => "1 factor".into(),
-        n => format!("{n} factors"),
+        n => counted(n, "factor"),
     }
+}
+
+/// `1 cell`, `2 cells`.
+fn counted(number: usize, noun: &str) -> String {
+    format!("{} {noun}{}", grouped(number), if number == 1 { "" } else { "s" })
 }
 
 fn problems(study: &Study) -> String {

@@ -70,7 +70,7 @@ pub struct AxisMeans {
 /// The mean of an outcome over the rows of one level and series.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Mean {
-    /// Criterion, number of poses and method, as far as they vary and are not the axis.
+    /// Problem, criterion, number of poses and method, as far as they vary and are not the axis.
     pub series: String,
     /// The level.
     pub level: String,
@@ -105,7 +105,7 @@ pub struct ComparedLevels {
 /// as one, their mean, unless there is only one such pair; then each is paired.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Difference {
-    /// Criterion, number of poses and method, as far as they vary and are not the axis.
+    /// Problem, criterion, number of poses and method, as far as they vary and are not the axis.
     pub series: String,
     /// The level.
     pub level: String,
