@@ -51,7 +51,7 @@ fn the_best_set_up_is_what_it_is_said_to_be() {
     assert_eq!(found["best"], found["ranking"][0]);
     // Its problem file has its comments, and gives the same plan.
     let text = std::fs::read_to_string(desk.path("out/best.toml")).unwrap();
-    assert!(text.contains("# Inferred: the marker zone") && text.contains("roll_deg = "), "{text}");
+    assert!(text.contains("# The finest of the paper's grids") && text.contains("roll_deg = "), "{text}");
     let plan = desk.json("plan out/best.toml --trials 0 -o plan --json");
     assert_eq!(plan["map_error_px"], found["best"]["map_error_px"]);
     assert_eq!(plan["problem"].get("set"), None, "everything is in the file");

@@ -343,7 +343,7 @@ fn what_is_wrong_with_a_study_is_told_under_its_line() {
         ("\"greedy\"", "\"best\"", "`choose.methods[1]` is \"best\", which is used already", "once"),
         ("counts = [6, 9]", "counts = [0]", "`choose.counts[0]` is 0", "from 1 to"),
         ("name = \"tilt\"", "name = \"method\"", "`factors[1].name` is \"method\"", "only once"),
-        ("[choose]", "outcome = [\"sigma_fx\"]\n[choose]", "there is no key", "did you mean `outcomes`"),
+        ("name = \"Small\"", "outcome = [\"sigma_fx\"]", "there is no key `outcome`", "did you mean `outcomes`"),
         ("[choose]", "[design]\nkind = \"sampled\"\n[choose]", "`design.draws` is missing", "Settings of a sampled"),
         ("problems = [\"coarse.toml\"]", "", "`problems` is missing", "add it here"),
     ];

@@ -35,13 +35,14 @@ logs() {
         while read -r file; do echo "-- ${file#"$top/"}"; tail -n 5 "$file"; done >&2
 }
 fail() { echo "FAILED: $*" >&2; exit 1; }
-seconds() { echo "$((SECONDS - before)) s"; before=$SECONDS; }
+# Says what was seen, and how long it took since the last time.
+seen() { echo "$* ($((SECONDS - before)) s)"; before=$SECONDS; }
 
-# Waits until the command succeeds, for a minute.
+# Waits until the command succeeds, for two minutes.
 until_ok() {
-    local what="$1" end=$((SECONDS + 60)); shift
+    local what="$1" end=$((SECONDS + 120)); shift
     until "$@" >/dev/null 2>&1; do
-        [ "$SECONDS" -lt "$end" ] || fail "$what: nothing after a minute"
+        [ "$SECONDS" -lt "$end" ] || fail "$what: nothing after two minutes"
         sleep 0.05
     done
 }
@@ -80,7 +81,7 @@ study quick 20
 study slow "${ENGINES_STEP:-8}"
 calipose study run "$desk/quick.toml" --output "$desk/quick-run"
 calipose study run "$desk/slow.toml" --output "$desk/slow-run"
-echo "one process: 8 quick cells and 8 slow ones in $(seconds)"
+seen "one process: 8 quick cells and 8 slow ones"
 
 # On this machine.
 submit quick local --engine local --shards 3 >/dev/null
@@ -96,10 +97,10 @@ grep -q "signal: 9" "$top/said" || fail "what killed the process is not told: $(
 there="$(kept local-killed)"
 submit slow local-killed --engine local --shards 2 >/dev/null
 same slow-run local-killed
-echo "local: 3 processes, the same bytes; one of 2 killed with $there of 8 cells there, submitted again, the same bytes; $(seconds)"
+seen "local: 3 processes, the same bytes; one of 2 killed with $there of 8 cells there, submitted again, the same bytes"
 
 slurm() {
-    if ! command -v slurmctld sbatch slurmd >/dev/null || [ "$(command -v slurmctld sbatch slurmd | wc -l)" -lt 3 ]; then
+    if [ "$(command -v slurmctld sbatch slurmd | wc -l)" -lt 3 ]; then
         if ! { apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends slurm-wlm; } \
             >"$top/apt.log" 2>&1; then
             echo "Slurm NOT checked: its packages are out of reach ($(tail -n 1 "$top/apt.log"))"
@@ -168,8 +169,8 @@ CONF
     grep -q "invalid partition" "$top/said" || fail "Slurm's refusal is not told: $(cat "$top/said")"
     if submit quick '100%' --engine slurm 2>"$top/said"; then fail "a folder is taken that Slurm reads in its own way"; fi
     grep -q "Slurm reads" "$top/said" || fail "that Slurm cannot write there is not told: $(cat "$top/said")"
-    echo "Slurm $(sinfo --version | cut -d ' ' -f 2): 4 tasks, the same bytes; a task killed with $there of 8 cells there and no merge, submitted" \
-        "again, the same bytes; a refusal told; $(seconds)"
+    seen "Slurm $(sinfo --version | cut -d ' ' -f 2): 4 tasks, the same bytes; a task killed with $there of 8 cells there and no merge, submitted" \
+        "again, the same bytes; a refusal told"
 }
 
 hyperqueue() {
@@ -199,7 +200,7 @@ hyperqueue() {
     job="$(submit quick hq --engine hyperqueue --shards 4 | jobs_of)"
     python3 "$node" wait "$queue" "$job" >"$top/hq-wait" 2>&1 || fail "a task failed: $(cat "$top/hq-wait")"
     same quick-run hq
-    echo "HyperQueue: job $job, 4 tasks by two workers, the same bytes; $(seconds)"
+    seen "HyperQueue: job $job, 4 tasks by two workers, the same bytes"
 
     job="$(submit slow hq-killed --engine hyperqueue --shards 4 | jobs_of)"
     until_ok "the first cell by HyperQueue" some_cells hq-killed 1
@@ -213,7 +214,7 @@ hyperqueue() {
     [ "$there" -lt 8 ] || fail "the worker was killed too late"
     python3 "$node" wait "$queue" "$job" >"$top/hq-wait" 2>&1 || fail "a task failed: $(cat "$top/hq-wait")"
     same slow-run hq-killed
-    echo "HyperQueue: a worker killed at its task with $there of 8 cells there, the other did the rest, the same bytes; $(seconds)"
+    seen "HyperQueue: a worker killed at its task with $there of 8 cells there, the other did the rest, the same bytes"
 }
 
 slurm

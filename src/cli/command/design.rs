@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::study::drawn;
+use super::study::{drawn, has_key};
 use crate::cli::interrupt::writing;
 use crate::cli::output::failure::Failure;
 use crate::cli::output::{Screen, duration, grouped, short, table, wrapped};
@@ -71,8 +71,7 @@ pub(crate) fn run(arguments: &DesignArguments, screen: &mut Screen) -> Result<()
 
 /// Whether the file at `path` states a design.
 pub(crate) fn is_design(path: &Path) -> bool {
-    let text = std::fs::read_to_string(path).unwrap_or_default();
-    text.parse::<toml::Table>().is_ok_and(|table| table.contains_key("free"))
+    has_key(path, "free")
 }
 
 /// Says what a search would take.

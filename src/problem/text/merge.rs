@@ -23,8 +23,10 @@ const INSTEAD: [(&str, &[&str]); 7] = [
 ];
 
 /// The keys that give way to `key` where it is given in place of the file's.
-pub(crate) fn excluded_by(key: &str) -> impl Iterator<Item = &'static str> {
-    INSTEAD.iter().filter(move |(one, _)| *one == key).flat_map(|(_, others)| *others).copied()
+pub(crate) fn excluded_by(key: &str) -> impl Iterator<Item = &'static str> + use<'_> {
+    // A key below one counts as that one.
+    let is_of = move |one: &str| key.strip_prefix(one).is_some_and(|below| below.is_empty() || below.starts_with('.'));
+    INSTEAD.iter().filter(move |(one, _)| is_of(one)).flat_map(|(_, others)| *others).copied()
 }
 
 /// Puts the value of `given`, which stands in the `line` of `text`, into `root`; whether that says anything else than before.

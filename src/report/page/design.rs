@@ -19,7 +19,7 @@ pub fn design_page(design: &DesignDocument) -> String {
         tone: Tone::Good,
         verdict: gain(design),
         details: family(design),
-        next: html! { "Next: best.toml is the problem file of this set-up; make its plan with " code { "calipose plan best.toml" } "." },
+        next: html! { "Next: make the plan of the best set-up; its problem file stands beside this page." },
         figures: design.best.values.iter().map(|value| figure(&value.name, value.value.clone(), "")).collect(),
     };
     let names = design.best.values.iter().map(|value| value.name.clone());

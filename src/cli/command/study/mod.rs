@@ -13,6 +13,7 @@ use crate::cli::output::failure::Failure;
 use crate::cli::output::{Screen, duration, grouped};
 use crate::experiment::{Forecast, RunError, Shard, Store, Study, run as run_cells};
 use crate::plan::document::{CellsDocument, Document};
+use crate::problem::read_text;
 pub(super) use merge::drawn;
 use merge::merge;
 use submit::{SubmitArguments, submit};
@@ -145,8 +146,13 @@ fn cells(arguments: &CellArguments, screen: &mut Screen) -> Result<(), Failure> 
 
 /// Whether the file at `path` states a study.
 pub(crate) fn is_study(path: &Path) -> bool {
-    let text = std::fs::read_to_string(path).unwrap_or_default();
-    text.parse::<toml::Table>().is_ok_and(|table| table.contains_key("problems"))
+    has_key(path, "problems")
+}
+
+/// Whether the file at `path` is TOML with that key. What can be read only once is not looked into.
+pub(crate) fn has_key(path: &Path, key: &str) -> bool {
+    let text = if path.is_file() { read_text(path).unwrap_or_default() } else { String::new() };
+    text.parse::<toml::Table>().is_ok_and(|table| table.contains_key(key))
 }
 
 pub(crate) fn check(path: &Path, screen: &mut Screen) -> Result<(), Failure> {

@@ -168,7 +168,8 @@ fn run_here(work: &Work, screen: &Screen) -> Result<String, Failure> {
     let failed = |what: String| move |said| Failure::Process { what, said };
     run_all(&commands, at_once, &|done| bar.set_message(format!("{done} of {shards} shards")))
         .map_err(|(shard, said)| failed(format!("shard {shard} of {shards}"))(said))?;
-    bar.set_message("merging");
+    bar.finish_and_clear();
+    let bar = screen.spinner("merging");
     let merged = run_all(&[work.merge()], 1, &|_| {}).map_err(|(_, said)| failed("the merge".into())(said))?;
     bar.finish_and_clear();
     Ok(merged.concat())
