@@ -75,6 +75,7 @@ fn the_best_set_up_is_what_it_is_said_to_be() {
 }
 
 #[test]
+#[ignore = "slow: in the full set, `cargo test -- --ignored`"]
 fn what_is_discarded_is_worse_and_threads_do_not_matter() {
     let desk = desk();
     desk.stdout("design design.toml -o one --threads 1 --quiet");

@@ -128,6 +128,7 @@ fn what_was_ended_or_damaged_goes_on_to_the_same_bytes() {
 }
 
 #[test]
+#[ignore = "slow: in the full set, `cargo test -- --ignored`"]
 fn cells_of_a_changed_study_are_taken_and_those_of_another_version_are_not() {
     let desk = desk();
     desk.stdout("study run small.toml -o out --quiet");
@@ -228,6 +229,7 @@ fn means_and_differences_are_those_of_the_rows() {
 }
 
 #[test]
+#[ignore = "slow: in the full set, `cargo test -- --ignored`"]
 fn settings_are_drawn_evenly_and_always_the_same() {
     let desk = Desk::new();
     write(
