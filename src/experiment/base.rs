@@ -72,30 +72,38 @@ impl Base {
     }
 
     /// What is wrong with a value that the problem refuses.
-    pub(super) fn refusal(&self, fault: &SettingFault) -> Reason {
+    pub(super) fn refusal(&self, fault: &SettingFault) -> Refusal {
         let problem = self.path.clone();
         let first = match fault {
             SettingFault::Problem(error) => error.faults().first(),
             SettingFault::Set(_) | SettingFault::Simulation(_) => None,
         };
-        match first {
-            Some(first) => Reason::InProblem { problem, sentence: first.to_string(), hint: first.hint() },
-            None => Reason::InProblem { problem, sentence: fault.to_string(), hint: None },
-        }
+        let of_key = match (fault, first) {
+            (_, Some(first)) => matches!(first.reason, Reason::UnknownKey { .. }),
+            (fault, None) => matches!(fault, SettingFault::Set(OverrideError::Key { .. })),
+        };
+        let (sentence, hint) = match first {
+            Some(first) => (first.to_string(), first.hint()),
+            None => (fault.to_string(), None),
+        };
+        Refusal { reason: Reason::InProblem { problem, sentence, hint }, of_key }
     }
 
-    /// Refuses, in the list of what is set in all of an experiment, what the problem refuses.
+    /// Refuses, in the list of what is set in all of an experiment, what the problem refuses: the one that it refuses alone, or else
+    /// all of them.
     pub(super) fn refuse_set(&self, check: &mut Check, set: &At<Vec<String>>, fault: &SettingFault) {
-        let line = match fault {
-            SettingFault::Problem(error) => error.faults().first().and_then(|fault| fault.given.as_deref()),
-            SettingFault::Set(_) | SettingFault::Simulation(_) => None,
-        };
-        // The line is written anew, with blanks and quotes of its own.
-        let plain = |text: &str| text.replace([' ', '"'], "");
-        let is_of = |text: &String| line.is_some_and(|line| plain(text) == plain(line));
-        let refused = |text: &String| Overrides::new().set(text).is_err();
-        let index = set.value.iter().position(|text| is_of(text) || refused(text));
-        let path = index.map_or(set.path.clone(), |index| set.path.at(index));
-        check.fault(&path, self.refusal(fault));
+        let mut alone = set.elements().filter_map(|text| {
+            let fault = self.problem(std::iter::once(text.value)).err()?;
+            Some((text.path, self.refusal(&fault)))
+        });
+        let (path, refusal) = alone.next().unwrap_or_else(|| (set.path.clone(), self.refusal(fault)));
+        check.fault(&path, refusal.reason);
     }
+}
+
+/// Why a problem refuses a value.
+pub(super) struct Refusal {
+    pub(super) reason: Reason,
+    /// Whether it is the key that is wrong, whatever the value.
+    pub(super) of_key: bool,
 }

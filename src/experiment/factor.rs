@@ -6,7 +6,8 @@ use rayon::prelude::*;
 use serde_json::Value;
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use super::file::{self, Draw, Scale, Sequence};
+use super::base::Refusal;
+use super::file::{self, Scale, Sequence};
 use crate::figures::short;
 use crate::problem::{Allowed, At, Check, KeyPath, Optional, Reason, key};
 
@@ -101,6 +102,14 @@ impl Factor {
             Source::Drawn { .. } => [0.001, 0.5, 0.999].map(|share| self.level_at(share)).into(),
         }
     }
+}
+
+/// A distribution that values are drawn from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Draw {
+    Uniform([f64; 2]),
+    LogUniform([f64; 2]),
+    Normal { mean: f64, sigma: f64 },
 }
 
 impl Draw {
@@ -300,14 +309,16 @@ pub(super) fn try_levels(
     check: &mut Check,
     stated: &At<Vec<file::Factor>>,
     factors: &[Factor],
-    refused: &(dyn Fn(&[String]) -> Vec<Reason> + Sync),
+    refused: &(dyn Fn(&[String]) -> Vec<Refusal> + Sync),
 ) {
     for (stated, factor) in stated.elements().zip(factors) {
         let levels = factor.samples();
         let some: Vec<usize> = (0..levels.len()).step_by(levels.len().div_ceil(TRIED).max(1)).collect();
-        let reasons: Vec<Vec<Reason>> = some.par_iter().map(|&i| refused(&levels[i].set)).collect();
-        for (&i, reason) in some.iter().zip(reasons).flat_map(|(i, reasons)| reasons.into_iter().map(move |r| (i, r))) {
-            let path = place_of(&stated, &reason, i);
+        let refusals: Vec<Vec<Refusal>> = some.par_iter().map(|&i| refused(&levels[i].set)).collect();
+        let placed =
+            some.iter().zip(refusals).flat_map(|(i, refusals)| refusals.into_iter().map(move |each| (*i, each)));
+        for (level, Refusal { reason, of_key }) in placed {
+            let path = place_of(&stated, of_key, level);
             // What is wrong with the key, or with all that may be drawn, is told once.
             if !check.faults.iter().any(|fault| fault.reason == reason && fault.key == path.to_string()) {
                 check.fault(&path, reason);
@@ -316,12 +327,10 @@ pub(super) fn try_levels(
     }
 }
 
-/// Where a factor's level is refused: a key that does not exist, at the key; else where the level stands.
-fn place_of(stated: &At<file::Factor>, refusal: &Reason, level: usize) -> KeyPath {
+/// Where a factor's level is refused: at the key, if that is what is wrong; else where the level stands.
+fn place_of(stated: &At<file::Factor>, of_key: bool, level: usize) -> KeyPath {
     let value = stated.value;
-    let is_of_key = matches!(refusal, Reason::InProblem { sentence, .. }
-        if sentence.starts_with("there is no key") || sentence.contains("is not a path of keys"));
-    if is_of_key && value.key.is_some() {
+    if of_key && value.key.is_some() {
         return key!(stated, key).path;
     }
     if value.values.is_some() {

@@ -11,6 +11,7 @@ mod codesign;
 mod engine;
 mod factor;
 mod file;
+mod reading;
 mod stages;
 mod study;
 

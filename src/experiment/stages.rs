@@ -68,31 +68,36 @@ impl Stages {
     }
 
     /// The survey of `problem`, which has these keys.
-    pub(super) fn survey(&self, problem: &Problem, keys: &StageKeys) -> Arc<OnceLock<Result<Survey, SurveyError>>> {
-        let survey = self.surveys.place(&keys.survey);
-        survey.get_or_init(|| {
-            let sweep = self.sweeps.place(&keys.sweep);
-            let sweep = sweep.get_or_init(|| candidates(problem, &|_| {})).as_ref().map_err(Clone::clone)?;
-            let found = self.feasible.place(&keys.feasible);
-            let found = found.get_or_init(|| feasible(problem, sweep)).as_ref().map_err(Clone::clone)?;
+    pub(super) fn survey(&self, problem: &Problem, keys: &StageKeys) -> Arc<Result<Survey, SurveyError>> {
+        self.surveys.get(&keys.survey, || {
+            let sweep = self.sweeps.get(&keys.sweep, || candidates(problem, &|_| {}));
+            let sweep = (*sweep).as_ref().map_err(Clone::clone)?;
+            let found = self.feasible.get(&keys.feasible, || feasible(problem, sweep));
+            let found = (*found).as_ref().map_err(Clone::clone)?;
             weighed(problem, sweep.clone(), found.clone())
-        });
-        survey
+        })
     }
 }
 
 /// Values by what they follow from, those asked for last; each is made once, and others wait for it.
 struct Shelf<T> {
     room: usize,
-    places: Mutex<VecDeque<(Fingerprint, Arc<OnceLock<T>>)>>,
+    places: Mutex<VecDeque<(Fingerprint, Place<T>)>>,
 }
+
+/// A value, or where it will be.
+type Place<T> = Arc<OnceLock<Arc<T>>>;
 
 impl<T> Shelf<T> {
     fn new(workers: usize) -> Self {
         Self { room: workers + 1, places: Mutex::new(VecDeque::new()) }
     }
 
-    fn place(&self, key: &Fingerprint) -> Arc<OnceLock<T>> {
+    fn get(&self, key: &Fingerprint, make: impl FnOnce() -> T) -> Arc<T> {
+        Arc::clone(self.place(key).get_or_init(|| Arc::new(make())))
+    }
+
+    fn place(&self, key: &Fingerprint) -> Place<T> {
         // A worker that panicked has left the list whole.
         let mut places = self.places.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, place)) = places.iter().find(|(known, _)| known == key) {

@@ -7,6 +7,7 @@ mod builder;
 mod constraints;
 #[cfg(feature = "cli")]
 mod diagnostic;
+mod disturbance;
 mod draft;
 mod error;
 mod fault;
@@ -19,6 +20,7 @@ mod text;
 
 pub use builder::ProblemBuilder;
 pub use constraints::{JointRegion, PoseConstraints, PoseGroup};
+pub use disturbance::StatedDisturbance;
 pub(crate) use draft::relative;
 pub use draft::{DraftError, draft};
 pub use error::{ProblemError, SourceFile};

@@ -87,6 +87,7 @@ const ROOMS: [(&str, &[&str]); 30] = [
         &[
             "note",
             "method",
+            "disturbance",
             "constraints",
             "fault",
             "error",
@@ -127,7 +128,7 @@ const ROOMS: [(&str, &[&str]); 30] = [
         &["locate", "compare", "explain", "verify", "forecast", "polish", "next", "reach", "review", "certify"],
     ),
     ("plan::document::study", &["cell", "summary", "work"]),
-    ("experiment", &["file", "base", "factor", "stages", "study", "engine", "codesign"]),
+    ("experiment", &["file", "reading", "base", "factor", "stages", "study", "engine", "codesign"]),
     ("experiment::file", &["factor", "study", "design"]),
     ("experiment::codesign", &["read", "evaluate", "sensitivity", "problem_file", "search"]),
     ("experiment::engine", &["quoting", "work", "job", "local", "slurm", "hyperqueue"]),

@@ -11,6 +11,7 @@ use crate::cli::output::{Screen, short, table};
 use crate::cli::trials;
 use crate::plan::assess::verify;
 use crate::plan::document::Verification;
+use crate::problem::StatedDisturbance;
 use crate::verification::{Disturbance, Judgement, MonteCarlo};
 
 #[derive(Debug, Args)]
@@ -59,29 +60,24 @@ struct DisturbanceArguments {
 
 impl DisturbanceArguments {
     fn disturbance(&self) -> Result<Disturbance, Failure> {
-        let named = [
-            ("--intrinsics-off", self.intrinsics_off, 50.0),
-            ("--joint-noise", self.joint_noise, 180.0),
-            ("--mount-rotation", self.mount_rotation, 180.0),
-            ("--mount-translation", self.mount_translation, 1e6),
-            ("--noise-with-tilt", self.noise_with_tilt, 1e6),
-            ("--noise-with-distance", self.noise_with_distance, 1e6),
-            ("--missing", self.missing, 99.0),
-        ];
-        for (name, value, most) in named {
-            if !(0.0..=most).contains(&value) {
-                return Err(Failure::Usage(format!("{name} is {value}; it must be from 0 to {most}")));
-            }
-        }
-        Ok(Disturbance {
-            intrinsics: self.intrinsics_off / 100.0,
-            joints: self.joint_noise.to_radians(),
-            mount_rotation: self.mount_rotation.to_radians(),
-            mount_translation: self.mount_translation / 1e3,
+        let mut stated = StatedDisturbance {
+            intrinsics_off_percent: self.intrinsics_off,
+            joint_noise_deg: self.joint_noise,
+            mount_rotation_deg: self.mount_rotation,
+            mount_translation_mm: self.mount_translation,
             noise_with_tilt: self.noise_with_tilt,
             noise_with_distance: self.noise_with_distance,
-            missing: self.missing / 100.0,
-        })
+            missing_percent: self.missing,
+        };
+        for (name, value, most) in stated.numbers() {
+            if !(0.0..=most).contains(value) {
+                // The options leave the units to their help.
+                let units = ["_percent", "_deg", "_mm"];
+                let option = units.iter().fold(name, |name, unit| name.trim_end_matches(unit)).replace('_', "-");
+                return Err(Failure::Usage(format!("--{option} is {value}; it must be from 0 to {most}")));
+            }
+        }
+        Ok(stated.disturbance())
     }
 }
 

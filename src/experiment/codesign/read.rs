@@ -1,6 +1,6 @@
 //! From a design file to a checked design.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::LazyLock;
 
 use serde_json::Value;
@@ -9,10 +9,8 @@ use super::Codesign;
 use crate::experiment::base::Base;
 use crate::experiment::factor::{Factor, factor, try_levels};
 use crate::experiment::file::{DesignFile, Search, Surface};
-use crate::problem::{
-    Allowed, At, Check, Fault, Goal, Numbers, Overrides, ProblemError, Reason, Source, SourceFile, Vocabulary, key,
-    read as read_toml, read_text, slug, toml_schema,
-};
+use crate::experiment::reading::{ExperimentFile, Stated, read_experiment};
+use crate::problem::{Allowed, At, Check, Goal, Numbers, ProblemError, Reason, Vocabulary, key, toml_schema};
 
 /// Coordinates in mm.
 const COORDINATE: Allowed = Allowed::between(-1e6, 1e6);
@@ -25,41 +23,25 @@ pub(super) fn schema_json() -> Value {
     toml_schema::<DesignFile>()
 }
 
-/// The design that the file at `path` states.
-pub(super) fn read(path: &Path) -> Result<Codesign, ProblemError> {
-    static SCHEMA: LazyLock<Value> = LazyLock::new(schema_json);
-    let text = read_text(path)?;
-    let source = Source::new(&text, &Overrides::new());
-    let refused = |faults: Vec<Fault>| ProblemError::Invalid {
-        file: SourceFile { name: path.to_string_lossy().into_owned(), text: text.clone() },
-        faults,
-    };
-    let (document, file) = read_toml::<DesignFile>(&source, Vocabulary::new(&SCHEMA)).map_err(|f| refused(vec![*f]))?;
-    let mut check = Check { document: &document, faults: Vec::new(), notes: Vec::new() };
-    let file = &At::root(&file);
-    let base = Base::read(&mut check, &key!(file, problem), path.parent().unwrap_or(Path::new("")))?;
-    let design = base.and_then(|base| codesign(&mut check, file, path, base));
-    match design {
-        Some(design) if check.faults.is_empty() => Ok(Codesign { sha256: document.sha256(), ..design }),
-        _ => Err(refused(check.faults)),
+impl ExperimentFile for DesignFile {
+    const FOLDERS: &str = "designs";
+
+    fn common<'f>(file: &At<'f, Self>) -> [At<'f, Option<String>>; 2] {
+        [key!(file, name), key!(file, output.folder)]
     }
 }
 
-fn codesign(check: &mut Check, file: &At<DesignFile>, path: &Path, base: Base) -> Option<Codesign> {
-    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    let name = file.value.name.as_deref().unwrap_or(&stem).trim().to_owned();
-    if name.is_empty() {
-        check.fault(&key!(file, name).path, Reason::Empty);
-    }
-    let output = match key!(file, output.folder).given() {
-        Some(folder) => {
-            if folder.value.trim().is_empty() {
-                check.fault(&folder.path, Reason::Empty);
-            }
-            PathBuf::from(folder.value)
-        }
-        None => PathBuf::from("designs").join(slug(&name)),
-    };
+/// The design that the file at `path` states.
+pub(super) fn read(path: &Path) -> Result<Codesign, ProblemError> {
+    static SCHEMA: LazyLock<Value> = LazyLock::new(schema_json);
+    read_experiment(path, Vocabulary::new(&SCHEMA), |check, file: &At<DesignFile>, common, folder| {
+        let base = Base::read(check, &key!(file, problem), folder)?;
+        Ok(base.and_then(|base| codesign(check, file, common, base)))
+    })
+}
+
+fn codesign(check: &mut Check, file: &At<DesignFile>, common: Stated, base: Base) -> Option<Codesign> {
+    let Stated { name, sha256, output } = common;
     let stated = key!(file, free);
     if stated.value.is_empty() {
         check.fault(&stated.path, Reason::Empty);
@@ -94,7 +76,7 @@ fn codesign(check: &mut Check, file: &At<DesignFile>, path: &Path, base: Base) -
         refused.map(|fault| base.refusal(&fault)).into_iter().collect()
     });
     let set = file.value.set.clone();
-    Some(Codesign { name, sha256: String::new(), free, problem, output, base, set, surface, search })
+    Some(Codesign { name, sha256, free, problem, output, base, set, surface, search })
 }
 
 /// The ranges in m.

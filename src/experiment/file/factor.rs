@@ -77,14 +77,6 @@ pub(crate) enum Scale {
     Logarithmic,
 }
 
-/// A distribution that values are drawn from.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Draw {
-    Uniform([f64; 2]),
-    LogUniform([f64; 2]),
-    Normal { mean: f64, sigma: f64 },
-}
-
 impl Choice for Scale {
     fn all() -> &'static [Self] {
         &[Self::Linear, Self::Logarithmic]

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Factor;
 use crate::information::Criterion;
-use crate::problem::{Choice, Method, Named};
+use crate::problem::{Choice, Method, Named, StatedDisturbance};
 
 /// An experiment: problems, what is varied, and what is wanted to be known of the plans.
 #[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
@@ -78,7 +78,7 @@ pub(crate) struct Choose {
 
 /// Calibrations simulated for each row, and what the prediction leaves out. Its keys can be factors too, as in
 /// `simulate.joint_noise_deg`.
-#[derive(Debug, Clone, PartialEq, Default, Deserialize, Serialize, JsonSchema)]
+#[derive(Debug, Clone, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct Simulate {
     /// How many; none when left out.
@@ -98,6 +98,31 @@ pub(crate) struct Simulate {
     pub(crate) noise_with_distance: f64,
     /// Share of the corners that are not detected, in percent.
     pub(crate) missing_percent: f64,
+}
+
+impl Simulate {
+    /// What the prediction leaves out.
+    pub(crate) fn stated(&self) -> StatedDisturbance {
+        let Self {
+            trials: _,
+            intrinsics_off_percent,
+            joint_noise_deg,
+            mount_rotation_deg,
+            mount_translation_mm,
+            noise_with_tilt,
+            noise_with_distance,
+            missing_percent,
+        } = *self;
+        StatedDisturbance {
+            intrinsics_off_percent,
+            joint_noise_deg,
+            mount_rotation_deg,
+            mount_translation_mm,
+            noise_with_tilt,
+            noise_with_distance,
+            missing_percent,
+        }
+    }
 }
 
 /// Where results go.

@@ -3,13 +3,13 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use super::{Choices, Simulation, Study};
 use rayon::prelude::*;
 
+use super::{Choices, Simulation, Study};
 use crate::experiment::stages::{Fingerprint, StageKeys, Stages};
 use crate::information::Criterion;
 use crate::plan::assess::verify;
-use crate::plan::choose::{Choice, Chooser, decide, refined_survey};
+use crate::plan::choose::{Choice, Chooser, PICKS, decide, refined_survey};
 use crate::plan::document::{
     CellDocument, CellOutcome, CellRow, CellSeconds, Document, ProblemReference, SimulatedOutcome, finite,
 };
@@ -55,8 +55,7 @@ impl PreparedCell {
             (Ok((problem, simulation)), Some(keys)) => {
                 let survey = stages.survey(problem, keys);
                 seconds.survey = start.elapsed().as_secs_f64();
-                let survey = survey.get().ok_or_else(String::new);
-                let survey = survey.and_then(|survey| survey.as_ref().map_err(ToString::to_string));
+                let survey = (*survey).as_ref().map_err(ToString::to_string);
                 (ProblemReference::new(problem), rows(problem, survey, choices, simulation))
             }
             (Ok((problem, simulation)), None) => {
@@ -111,16 +110,13 @@ impl Wanted {
             some => some.iter().map(|&criterion| vec![(criterion, 1.0)]).collect(),
         };
         let counts = match &choices.counts[..] {
-            [] => vec![goal.count().unwrap_or(COUNT)],
+            [] => vec![goal.count().unwrap_or(PICKS)],
             some => some.to_vec(),
         };
         let methods = if choices.methods.is_empty() { vec![goal.method()] } else { choices.methods.clone() };
         Some(Self { criteria, counts, methods })
     }
 }
-
-/// Number of poses where neither the study nor the problem says one.
-const COUNT: usize = 10;
 
 fn rows(
     problem: &Problem,
@@ -259,13 +255,13 @@ fn simulated(
     simulation: &Simulation,
     seed: u64,
 ) -> Option<SimulatedOutcome> {
-    let Simulation { trials, disturbance } = simulation;
+    let Simulation { trials, deviations } = simulation;
     if *trials == 0 {
         return None;
     }
     let configurations: Vec<Vec<f64>> = choice.selected.iter().map(|&i| survey.views[i].q.clone()).collect();
     // Nothing is predicted for a choice that leaves an intrinsic undetermined, and nothing simulated.
-    let found = verify(problem, &configurations, disturbance, *trials, seed, &|_| {}).ok()?;
+    let found = verify(problem, &configurations, &deviations.disturbance(), *trials, seed, &|_| {}).ok()?;
     Some(SimulatedOutcome {
         trials: found.count,
         failed: found.failures.len(),

@@ -19,10 +19,9 @@ use std::path::{Path, PathBuf};
 
 use super::base::{Base, SettingFault};
 use super::factor::{Factor, Level, Source, coordinate};
-use super::file::{Sequence, Simulate};
+use super::file::Sequence;
 use crate::information::Criterion;
-use crate::problem::{Method, Problem, ProblemError};
-use crate::verification::Disturbance;
+use crate::problem::{Allowed, Method, Problem, ProblemError, StatedDisturbance};
 
 /// A checked study.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,7 +41,7 @@ pub struct Study {
     set: Vec<String>,
     layout: Layout,
     choices: Choices,
-    simulate: Simulate,
+    simulation: Simulation,
 }
 
 /// How the factors are combined.
@@ -79,7 +78,7 @@ pub struct Simulation {
     /// How many.
     pub trials: usize,
     /// What the prediction leaves out.
-    pub disturbance: Disturbance,
+    pub deviations: StatedDisturbance,
 }
 
 /// Some of the cells: those whose number leaves `part` when divided by `of`.
@@ -186,22 +185,42 @@ impl Study {
     /// # Errors
     /// When a key of the simulation refuses its value.
     pub fn simulation(&self, cell: &Cell) -> Result<Simulation, SettingFault> {
-        let mut simulate = self.simulate.clone();
+        let mut simulation = self.simulation;
         for text in cell.levels.iter().flat_map(|level| &level.set).filter(|text| is_of_simulation(text)) {
-            read::set_simulation(&mut simulate, text).map_err(SettingFault::Simulation)?;
+            simulation.set(text).map_err(SettingFault::Simulation)?;
         }
-        Ok(Simulation {
-            trials: simulate.trials as usize,
-            disturbance: Disturbance {
-                intrinsics: simulate.intrinsics_off_percent / 100.0,
-                joints: simulate.joint_noise_deg.to_radians(),
-                mount_rotation: simulate.mount_rotation_deg.to_radians(),
-                mount_translation: simulate.mount_translation_mm / 1e3,
-                noise_with_tilt: simulate.noise_with_tilt,
-                noise_with_distance: simulate.noise_with_distance,
-                missing: simulate.missing_percent / 100.0,
-            },
-        })
+        Ok(simulation)
+    }
+}
+
+impl Simulation {
+    /// Numbers of calibrations: one has no scatter.
+    const TRIALS: Allowed = Allowed::between(0.0, 1e6);
+
+    /// Sets a key as `simulate.KEY=NUMBER` says.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    fn set(&mut self, text: &str) -> Result<(), String> {
+        let (key, value) = text.split_once('=').map_or((text, ""), |(key, value)| (key, value));
+        let (key, value) = (key.trim(), value.trim());
+        let number: f64 = value.parse().map_err(|_| format!("`{key}` is {value}, which is no number"))?;
+        let name = key.trim_start_matches(SIMULATE);
+        if name == "trials" {
+            if !Self::TRIALS.contains(number) || number.fract() != 0.0 || number == 1.0 {
+                return Err(format!("`{key}` is {value}; it must be 0 or a whole number from 2 to 1000000"));
+            }
+            self.trials = number as usize;
+            return Ok(());
+        }
+        let mut numbers = self.deviations.numbers().into_iter();
+        let (_, place, most) =
+            numbers.find(|(known, ..)| *known == name).ok_or_else(|| format!("there is no key `{key}`"))?;
+        if !(0.0..=most).contains(&number) {
+            return Err(format!("`{key}` is {value}; it must be from 0 to {most}"));
+        }
+        *place = number;
+        Ok(())
     }
 }
 

@@ -1,18 +1,17 @@
 //! From a study file to a checked study.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::LazyLock;
 
 use serde_json::Value;
 
-use super::{Choices, Layout, SIMULATE, Study, is_of_simulation};
-use crate::experiment::base::{Base, SettingFault};
+use super::table::StudyTable;
+use super::{Choices, Layout, Simulation, Study, is_of_simulation};
+use crate::experiment::base::{Base, Refusal, SettingFault};
 use crate::experiment::factor::{Factor, MOST_FACTORS, factor, try_levels};
 use crate::experiment::file::{self, DesignKind, Simulate, StudyFile};
-use crate::problem::{
-    Allowed, At, Check, Fault, Named, Overrides, Problem, ProblemError, Reason, Source, SourceFile, Vocabulary, key,
-    read as read_toml, read_text, slug, toml_schema,
-};
+use crate::experiment::reading::{ExperimentFile, Stated, read_experiment};
+use crate::problem::{Allowed, At, Check, Named, Problem, ProblemError, Reason, Vocabulary, key, toml_schema};
 
 /// Cells of a study; each takes milliseconds at least.
 const MOST_CELLS: usize = 1_000_000;
@@ -22,24 +21,21 @@ pub(super) fn schema_json() -> Value {
     toml_schema::<StudyFile>()
 }
 
+impl ExperimentFile for StudyFile {
+    const FOLDERS: &str = "studies";
+
+    fn common<'f>(file: &At<'f, Self>) -> [At<'f, Option<String>>; 2] {
+        [key!(file, name), key!(file, output.folder)]
+    }
+}
+
 /// The study that the file at `path` states.
 pub(super) fn read(path: &Path) -> Result<Study, ProblemError> {
     static SCHEMA: LazyLock<Value> = LazyLock::new(schema_json);
-    let text = read_text(path)?;
-    let source = Source::new(&text, &Overrides::new());
-    let refused = |faults: Vec<Fault>| ProblemError::Invalid {
-        file: SourceFile { name: path.to_string_lossy().into_owned(), text: text.clone() },
-        faults,
-    };
-    let (document, file) = read_toml::<StudyFile>(&source, Vocabulary::new(&SCHEMA)).map_err(|f| refused(vec![*f]))?;
-    let mut check = Check { document: &document, faults: Vec::new(), notes: Vec::new() };
-    let file = &At::root(&file);
-    let bases = bases(&mut check, file, path.parent().unwrap_or(Path::new("")))?;
-    let study = study(&mut check, file, path, bases);
-    match study {
-        Some(study) if check.faults.is_empty() => Ok(Study { sha256: document.sha256(), ..study }),
-        _ => Err(refused(check.faults)),
-    }
+    read_experiment(path, Vocabulary::new(&SCHEMA), |check, file: &At<StudyFile>, stated, folder| {
+        let bases = bases(check, file, folder)?;
+        Ok(study(check, file, stated, bases))
+    })
 }
 
 /// The base problems as they are without the study; what is wrong with one of them is told as of itself.
@@ -60,28 +56,14 @@ fn bases(check: &mut Check, file: &At<StudyFile>, folder: &Path) -> Result<Vec<B
     Ok(bases)
 }
 
-fn study(check: &mut Check, file: &At<StudyFile>, path: &Path, bases: Vec<Base>) -> Option<Study> {
-    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    let name = file.value.name.as_deref().unwrap_or(&stem).trim().to_owned();
-    if name.is_empty() {
-        check.fault(&key!(file, name).path, Reason::Empty);
-    }
-    let output = match key!(file, output.folder).given() {
-        Some(folder) => {
-            if folder.value.trim().is_empty() {
-                check.fault(&folder.path, Reason::Empty);
-            }
-            PathBuf::from(folder.value)
-        }
-        None => PathBuf::from("studies").join(slug(&name)),
-    };
+fn study(check: &mut Check, file: &At<StudyFile>, stated: Stated, bases: Vec<Base>) -> Option<Study> {
+    let Stated { name, sha256, output } = stated;
     let sampled = file.value.design.kind.0 == DesignKind::Sampled;
     let stated = key!(file, factors);
     let found: Vec<Option<Factor>> = stated.elements().map(|stated| factor(check, &stated, sampled)).collect();
     let layout = layout(check, &key!(file, design));
     let choices = choices(check, &key!(file, choose));
-    let simulate = file.value.simulate.clone();
-    check_simulation(check, &key!(file, simulate));
+    let simulation = simulation(check, &key!(file, simulate));
     // Without all factors nothing more can be said.
     let factors: Vec<Factor> = found.into_iter().collect::<Option<_>>()?;
     names(check, &stated, &factors);
@@ -89,18 +71,8 @@ fn study(check: &mut Check, file: &At<StudyFile>, path: &Path, bases: Vec<Base>)
         paired(check, &stated, &factors);
     }
     let set = file.value.set.clone();
-    let study = Study {
-        name,
-        sha256: String::new(),
-        factors,
-        outcomes: Vec::new(),
-        output,
-        bases,
-        set,
-        layout: layout?,
-        choices,
-        simulate,
-    };
+    let study =
+        Study { name, sha256, factors, outcomes: Vec::new(), output, bases, set, layout: layout?, choices, simulation };
     size(check, &stated, &study);
     if !check.faults.is_empty() {
         return None;
@@ -151,9 +123,6 @@ fn once<T>(check: &mut Check, list: &At<Vec<T>>, name: impl Fn(&T) -> String) {
     }
 }
 
-/// Columns of the table that are of the study itself.
-pub(super) const OWN_COLUMNS: [&str; 5] = ["problem", "criterion", "count", "method", "seed"];
-
 fn names(check: &mut Check, stated: &At<Vec<file::Factor>>, factors: &[Factor]) {
     if factors.len() > MOST_FACTORS {
         let expected = format!("at most {MOST_FACTORS} factors");
@@ -161,7 +130,7 @@ fn names(check: &mut Check, stated: &At<Vec<file::Factor>>, factors: &[Factor]) 
     }
     for (i, (stated, factor)) in stated.elements().zip(factors).enumerate() {
         let taken = factors[..i].iter().any(|other| other.name == factor.name);
-        if taken || OWN_COLUMNS.contains(&factor.name.as_str()) {
+        if taken || StudyTable::has_own(&factor.name) {
             check.fault(&key!(stated, name).path, Reason::Duplicate { name: factor.name.clone() });
         }
     }
@@ -207,73 +176,27 @@ fn tried(check: &mut Check, file: &At<StudyFile>, study: &Study) -> Vec<Problem>
 }
 
 /// Why a base refuses a level.
-fn refused(study: &Study, base: &Base, set: &[String]) -> Option<Reason> {
-    let mut simulate = study.simulate.clone();
+fn refused(study: &Study, base: &Base, set: &[String]) -> Option<Refusal> {
+    let mut simulation = study.simulation;
     for text in set.iter().filter(|text| is_of_simulation(text)) {
-        if let Err(sentence) = set_simulation(&mut simulate, text) {
+        if let Err(sentence) = simulation.set(text) {
             return Some(base.refusal(&SettingFault::Simulation(sentence)));
         }
     }
     study.with(base, set.iter()).err().map(|fault| base.refusal(&fault))
 }
 
-fn check_simulation(check: &mut Check, simulate: &At<Simulate>) {
-    check.count(&key!(simulate, trials), TRIALS);
-    for share in [key!(simulate, intrinsics_off_percent), key!(simulate, missing_percent)] {
-        check.number(&share, PERCENT);
-    }
-    for number in [
-        key!(simulate, joint_noise_deg),
-        key!(simulate, mount_rotation_deg),
-        key!(simulate, mount_translation_mm),
-        key!(simulate, noise_with_tilt),
-        key!(simulate, noise_with_distance),
-    ] {
-        check.number(&number, SIMULATED);
-    }
-    if simulate.value.trials == 1 {
+fn simulation(check: &mut Check, simulate: &At<Simulate>) -> Simulation {
+    let trials = key!(simulate, trials);
+    if *trials.value == 1 {
         let (found, expected) = ("1".to_owned(), "0 or at least 2: one trial has no scatter".to_owned());
-        check.fault(&key!(simulate, trials).path, Reason::Type { found, expected });
+        check.fault(&trials.path, Reason::Type { found, expected });
     }
-}
-
-/// Numbers of simulated calibrations.
-const TRIALS: Allowed = Allowed::between(0.0, 1e6);
-/// Shares in percent.
-const PERCENT: Allowed = Allowed::between(0.0, 99.0);
-/// Errors and growths.
-const SIMULATED: Allowed = Allowed::between(0.0, 1000.0);
-
-/// Sets a key of the simulation as `simulate.KEY=NUMBER` says.
-///
-/// # Errors
-/// What is wrong with it.
-pub(super) fn set_simulation(simulate: &mut Simulate, text: &str) -> Result<(), String> {
-    let (key, value) = text.trim_start().trim_start_matches(SIMULATE).split_once('=').unwrap_or((text, ""));
-    let (key, value) = (key.trim(), value.trim());
-    let number: f64 = value.parse().map_err(|_| format!("`{SIMULATE}{key}` is {value}, which is no number"))?;
-    let (field, allowed) = match key {
-        "trials" => {
-            if !TRIALS.contains(number) || number.fract() != 0.0 || number == 1.0 {
-                return Err(format!("`{SIMULATE}{key}` is {value}; it must be 0 or a whole number from 2 to 1000000"));
-            }
-            simulate.trials = number as u32;
-            return Ok(());
-        }
-        "intrinsics_off_percent" => (&mut simulate.intrinsics_off_percent, PERCENT),
-        "joint_noise_deg" => (&mut simulate.joint_noise_deg, SIMULATED),
-        "mount_rotation_deg" => (&mut simulate.mount_rotation_deg, SIMULATED),
-        "mount_translation_mm" => (&mut simulate.mount_translation_mm, SIMULATED),
-        "noise_with_tilt" => (&mut simulate.noise_with_tilt, SIMULATED),
-        "noise_with_distance" => (&mut simulate.noise_with_distance, SIMULATED),
-        "missing_percent" => (&mut simulate.missing_percent, PERCENT),
-        _ => return Err(format!("there is no key `{SIMULATE}{key}`")),
-    };
-    if !allowed.contains(number) {
-        return Err(format!("`{SIMULATE}{key}` is {value}; it must be {allowed}"));
+    let mut deviations = simulate.value.stated();
+    for (name, number, most) in deviations.numbers() {
+        check.within(&simulate.path.key(name), *number, Allowed::between(0.0, most));
     }
-    *field = number;
-    Ok(())
+    Simulation { trials: check.count(&trials, Simulation::TRIALS), deviations }
 }
 
 /// The columns to summarise.
@@ -281,8 +204,8 @@ fn outcomes(check: &mut Check, stated: &At<Vec<String>>, problems: &[Problem], s
     const NUMBERS: [&str; 8] =
         ["map_error_px", "simulated_map_error_px", "value", "bound", "efficiency", "poses", "views", "candidates"];
     if stated.value.is_empty() {
-        let simulated =
-            study.simulate.trials > 0 || study.factors.iter().any(|factor| factor.name.starts_with(SIMULATE));
+        let simulated = study.simulation.trials > 0
+            || study.factors.iter().any(|factor| factor.key().is_some_and(is_of_simulation));
         return if simulated { NUMBERS[..2].to_vec() } else { NUMBERS[..1].to_vec() }
             .into_iter()
             .map(Into::into)

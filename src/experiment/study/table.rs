@@ -60,6 +60,36 @@ impl StudyTable {
         table
     }
 
+    /// Whether every table has a column of that name, which no factor can have then.
+    pub(super) fn has_own(name: &str) -> bool {
+        const OWN: [&str; 23] = [
+            "cell",
+            "problem",
+            "criterion",
+            "count",
+            "method",
+            "seed",
+            "reason",
+            "configurations",
+            "candidates",
+            "views",
+            "poses",
+            "value",
+            "bound",
+            "efficiency",
+            "map_error_px",
+            "trials",
+            "failed",
+            "simulated_map_error_px",
+            "simulated_low_px",
+            "simulated_high_px",
+            "problem_sha256",
+            "calipose",
+            "fingerprint",
+        ];
+        OWN.contains(&name) || name.starts_with("sigma_")
+    }
+
     fn outcomes(&mut self, rows: &[(usize, &CellDocument, &CellRow)]) {
         let outcomes: Vec<Option<&CellOutcome>> = rows.iter().map(|(.., row)| row.outcome.as_ref()).collect();
         let of = |get: fn(&CellOutcome) -> usize| outcomes.iter().map(move |outcome| outcome.map(get));

@@ -29,7 +29,7 @@ pub(super) fn resolve(document: &Document, file: &schema::File, path: &Path) -> 
     let file = &At::root(file);
     let stem = path.file_stem().map(std::ffi::OsStr::to_string_lossy).unwrap_or_default();
     let name = check.name(&key!(file, name), &stem);
-    let output = check.output(key!(file, output.folder), &name);
+    let output = check.output(key!(file, output.folder), "plans", &name);
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut robot = check.robot(file, folder);
     check.scene(&key!(file, scene), robot.as_mut());
@@ -92,7 +92,8 @@ pub(super) fn resolve(document: &Document, file: &schema::File, path: &Path) -> 
 }
 
 impl Check<'_, '_> {
-    fn name(&mut self, name: &At<Option<String>>, stem: &str) -> String {
+    /// The name that a file gives itself, or else its own without the extension.
+    pub(crate) fn name(&mut self, name: &At<Option<String>>, stem: &str) -> String {
         let given = name.value.as_deref().unwrap_or(stem).trim();
         if given.is_empty() {
             self.fault(&name.path, Reason::Empty);
@@ -100,9 +101,10 @@ impl Check<'_, '_> {
         given.to_owned()
     }
 
-    fn output(&mut self, folder: At<Option<String>>, name: &str) -> PathBuf {
+    /// The folder that a file gives for its results, or else one of its name in `folders`.
+    pub(crate) fn output(&mut self, folder: At<Option<String>>, folders: &str, name: &str) -> PathBuf {
         let Some(folder) = folder.given() else {
-            return PathBuf::from("plans").join(slug(name));
+            return PathBuf::from(folders).join(slug(name));
         };
         if folder.value.trim().is_empty() {
             self.fault(&folder.path, Reason::Empty);
