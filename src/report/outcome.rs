@@ -1,4 +1,4 @@
-//! What a plan proves, in words: the same in the terminal and on its page.
+//! What a plan, a study or a design comes to, in words: the same in the terminal and on its page.
 
 use crate::figures::{grouped, short};
 use crate::plan::document::{AxisMeans, DesignDocument, Plan, StudyDocument};

@@ -101,6 +101,13 @@ fn what_is_wrong_with_a_design_is_told_under_its_line() {
         ("uniform = [100, 300]", "uniform = [300, 100]", "runs from 300 down to 100", "[min, max]"),
         ("x_mm = [-50, 450]", "x_mm = [450, -50]", "`surface.x_mm` runs from 450 down to -50", "[min, max]"),
         ("selection.count=8", "selection.accuracy={map_error_px=2}", "asks for accuracies", "selection.count=10"),
+        (
+            "selection.count=8",
+            "selection.criterion=diversity",
+            "cannot be compared by the criterion",
+            "selection.criterion=v",
+        ),
+        ("camera.roll_deg", "selection.count", "does not apply to the design of a set-up", "calipose study"),
         ("screened = 16", "screened = 0", "`search.screened` is 0", "from 1 to"),
         ("problem = \"coarse.toml\"", "problem = \"none.toml\"", "No such file", "relative to the folder"),
     ];

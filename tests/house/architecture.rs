@@ -132,7 +132,7 @@ const ROOMS: [(&str, &[&str]); 30] = [
     ("experiment::file", &["factor", "study", "design"]),
     ("experiment::codesign", &["read", "evaluate", "sensitivity", "problem_file", "search"]),
     ("experiment::engine", &["quoting", "work", "job", "local", "slurm", "hyperqueue"]),
-    ("experiment::study", &["read", "cell", "store", "run", "statistics", "table", "summary", "forecast"]),
+    ("experiment::study", &["table", "read", "cell", "store", "run", "statistics", "summary", "forecast"]),
     ("report", &["documents", "outcome", "figure", "drawing", "plots", "page"]),
     (
         "report::page",

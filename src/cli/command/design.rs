@@ -107,8 +107,13 @@ impl DesignArguments {
 
 fn tried(document: &DesignDocument) -> String {
     let proof = &document.proof;
+    let undecided = match proof.undecided {
+        0 => String::new(),
+        some => format!(" For {} more no plan was found, and nothing is proven.", grouped(some)),
+    };
     format!(
-        "{} set-ups screened on a coarser sweep; {} examined on the problem's own: {} proven worse than the best, {} without a plan.",
+        "{} set-ups screened on a coarser sweep; {} examined on the problem's own: {} proven worse than the best, {} without a \
+         plan.{undecided}",
         grouped(proof.screened),
         grouped(proof.examined),
         grouped(proof.proven_worse),

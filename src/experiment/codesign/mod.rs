@@ -79,7 +79,7 @@ impl Codesign {
     pub fn forecast(&self) -> DesignCheckDocument {
         let (screened, examined_at_most) = self.evaluations();
         let start = Instant::now();
-        drop(self.as_given());
+        drop(evaluate::judge(&Place { shares: Vec::new(), levels: Vec::new() }, &self.problem, None));
         let one = start.elapsed().as_secs_f64();
         // A coarser sweep takes as much less as it has fewer configurations; most set-ups examined are discarded early.
         let coarse = evaluate::coarse(&self.problem.space).len() as f64 / self.problem.space.len() as f64;

@@ -18,6 +18,9 @@ const COORDINATE: Allowed = Allowed::between(-1e6, 1e6);
 /// What may be free at once: more cannot be searched by trying.
 const MOST_FREE: usize = 20;
 
+/// Sections of the problem file that say what is asked for, not what the set-up is.
+const GOALS: [&str; 2] = ["selection.", "estimate."];
+
 /// The JSON Schema of design files.
 pub(super) fn schema_json() -> Value {
     toml_schema::<DesignFile>()
@@ -67,6 +70,21 @@ fn codesign(check: &mut Check, file: &At<DesignFile>, common: Stated, base: Base
         let hint = Some("give a number of poses: set = [\"selection.count=10\"]".to_owned());
         let sentence = "set-ups are compared by plans of one size, and the problem asks for accuracies".to_owned();
         check.fault(&key!(file, problem).path, Reason::InProblem { problem: base.path.clone(), sentence, hint });
+    }
+    if let Some((criterion, _)) = problem.selection.goal.criteria().iter().find(|(each, _)| !each.is_of_intrinsics()) {
+        let hint = Some("set = [\"selection.criterion=v\"] compares them by the map error".to_owned());
+        let sentence = format!(
+            "set-ups cannot be compared by the criterion `{}`, which is relative to the views that each has",
+            criterion.name()
+        );
+        check.fault(&key!(file, problem).path, Reason::InProblem { problem: base.path.clone(), sentence, hint });
+    }
+    for (stated, factor) in stated.elements().zip(&free) {
+        // Values of other goals, or on other intrinsics, are not of one scale.
+        let is_of_goal = |text: &String| GOALS.iter().any(|section| text.trim_start().starts_with(section));
+        if factor.samples().iter().flat_map(|level| &level.set).any(is_of_goal) {
+            check.not_applicable(&stated.path, "the design of a set-up", "vary it in a study, `calipose study`");
+        }
     }
     if !check.faults.is_empty() {
         return None;

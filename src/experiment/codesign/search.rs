@@ -54,6 +54,7 @@ struct Family {
     planned: Vec<Planned>,
     discarded: usize,
     without_plan: usize,
+    undecided: usize,
     seen: Vec<Vec<String>>,
 }
 
@@ -89,6 +90,7 @@ impl Family {
             match verdict {
                 Verdict::Refused => {}
                 Verdict::NoPlan => self.without_plan += 1,
+                Verdict::Undecided => self.undecided += 1,
                 Verdict::Discarded => self.discarded += 1,
                 Verdict::Planned(planned) => self.planned.push(*planned),
             }
@@ -141,7 +143,7 @@ impl Codesign {
     }
 
     /// Set-ups that are possible, evenly over the ranges.
-    fn screened(&self) -> Result<Vec<Place>, CodesignError> {
+    pub(super) fn screened(&self) -> Result<Vec<Place>, CodesignError> {
         let wanted = self.search.screened as usize;
         let drawn = (self.search.screened.saturating_mul(DRAWN)).min(60_000);
         let mut places: Vec<Place> = Vec::new();
@@ -221,6 +223,7 @@ fn proof(family: &Family, best: &Planned, screened: usize) -> DesignProof {
         screened,
         examined: family.planned.len() + family.discarded + family.without_plan,
         without_plan: family.without_plan,
+        undecided: family.undecided,
         proven_worse: family.discarded + worse,
         bound: loosest.and_then(|planned| planned.document.bound),
         map_error_bound_px: loosest.and_then(|planned| planned.map_error_bound).and_then(finite),

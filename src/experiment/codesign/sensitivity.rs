@@ -69,7 +69,7 @@ impl Codesign {
     fn map_error_at(&self, place: &Place) -> Option<f64> {
         match self.evaluate(place, None) {
             Verdict::Planned(planned) => Some(planned.map_error),
-            Verdict::Refused | Verdict::NoPlan | Verdict::Discarded => None,
+            Verdict::Refused | Verdict::NoPlan | Verdict::Undecided | Verdict::Discarded => None,
         }
     }
 

@@ -78,6 +78,8 @@ pub struct DesignProof {
     pub examined: usize,
     /// Those of them that no plan of so many poses is possible for.
     pub without_plan: usize,
+    /// Set-ups beside the family that no plan was found for, of which nothing is proven.
+    pub undecided: usize,
     /// Those of which a bound on all their plans is worse than the best plan.
     pub proven_worse: usize,
     /// No plan for any set-up of the family has a better value, in the criterion's own unit.

@@ -55,7 +55,8 @@ pub fn design_page(design: &DesignDocument) -> String {
                 p {
                     (grouped(design.proof.examined)) " set-ups were examined on the problem's own sweep: "
                     (grouped(design.proof.proven_worse)) " are proven worse than the best plan, "
-                    (grouped(design.proof.without_plan)) " have no plan of so many poses. Of the "
+                    (grouped(design.proof.without_plan)) " have no plan of so many poses. For "
+                    (grouped(design.proof.undecided)) " others no plan was found, and whether there is one is not known. Of the "
                     (grouped(design.proof.screened)) " that were screened on a coarser sweep alone nothing is proven."
                 }
             }

@@ -72,9 +72,12 @@ fn means_of(outcome: &str, AxisMeans { axis, means }: &AxisMeans) -> Vec<Figure>
             Figure {
                 name: format!("{}-by-{}{}", plain(outcome), plain(axis), numbered(part)).into(),
                 title: format!("{} by {axis}", label(outcome)),
-                caption:
-                    "Means over all rows with the level; thin ends, where there are any, are 95 % confidence intervals."
-                        .into(),
+                caption: if is_numeric {
+                    "Means over all rows with the level, and their 95 % confidence intervals where there are several."
+                } else {
+                    "Means over all rows with the level."
+                }
+                .into(),
                 x,
                 y,
                 content,

@@ -66,3 +66,23 @@ fn named_mount(name: MountName) -> Pose {
     let R_FC = Rotation3::from_matrix_unchecked(R_FC);
     Pose::from_parts([0.0; 3].into(), UnitQuaternion::from_rotation_matrix(&R_FC))
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::problem::{Overrides, Problem};
+
+    #[test]
+    fn a_positive_roll_turns_the_cameras_right_towards_its_down() {
+        let mounted = |roll: &str| {
+            let overrides = Overrides::new().set(&format!("camera.roll_deg={roll}")).unwrap();
+            Problem::read_with(Path::new("problems/servosila-engineer.toml"), &overrides).unwrap().robot.X_FC.rotation
+        };
+        let (level, turned) = (mounted("0"), mounted("90"));
+        assert!((turned * Vector3::x() - level * Vector3::y()).norm() < 1e-12);
+        assert!((turned * Vector3::z() - level * Vector3::z()).norm() < 1e-12);
+        assert!((mounted("30") * Vector3::x()).dot(&(level * Vector3::y())) > 0.49);
+    }
+}
