@@ -1,12 +1,12 @@
 """The tables and the summary of a study, and the best set-up of a design, by foreign programs.
 
-    python tests/cross_check/studies.py
+    python tests/cross_check/studies.py [FOLDER]
 
 Runs a small study and a small design by ${CALIPOSE:-target/release/calipose}. Arrow reads results.parquet, which must hold what
 results.csv says; pandas and SciPy make means, medians, Student's intervals and paired comparisons from the rows anew, which must be
 those of study.json; SciPy holds the Sobol draws of a sampled study against the uniform distribution. The plan of the design's
-best.toml goes through map_error.py (OpenCV, NumPy): the map error must be the one that the design states. Makes a virtual environment
-with packages from PyPI (see environment.py). Exits with 1 at the first disagreement.
+best.toml goes through map_error.py (OpenCV, NumPy): the map error must be the one that the design states. Results stay in FOLDER.
+Makes a virtual environment with packages from PyPI (see environment.py). Exits with 1 at the first disagreement.
 """
 
 import json
@@ -96,7 +96,7 @@ def interval(numbers):
 
 def table(folder):
     """results.csv, which must be what Arrow reads in results.parquet."""
-    told = pd.read_csv(folder / "results.csv", keep_default_na=False, na_values=[""])
+    told = pd.read_csv(folder / "results.csv", keep_default_na=False, na_values=[""], float_precision="round_trip")
     read = pq.read_table(folder / "results.parquet").to_pandas()
     require(len(told) == len(read) and len(told.columns) == len(read.columns), "the tables have one shape")
     for ours, theirs in zip(told.columns, read.columns):
@@ -171,8 +171,9 @@ if __name__ == "__main__":
     import pyarrow.parquet as pq
     from scipy import stats
 
-    with tempfile.TemporaryDirectory() as desk:
-        desk = Path(desk)
+    with tempfile.TemporaryDirectory() as temporary:
+        desk = Path(sys.argv[1] if len(sys.argv) > 1 else temporary).absolute()
+        desk.mkdir(parents=True, exist_ok=True)
         for name, text in [("study", STUDY), ("drawn", DRAWN), ("design", DESIGN)]:
             (desk / f"{name}.toml").write_text(text)
         calipose("study", "run", desk / "study.toml", "--output", desk / "study")

@@ -4,7 +4,7 @@ use maud::html;
 
 use super::head::{Head, Tone, figure};
 use super::table::{Cell, Row, table};
-use super::{page, plots};
+use super::{page, plots, script};
 use crate::figures::{grouped, short};
 use crate::plan::document::{DesignDocument, SetUp};
 use crate::report::outcome::{family, gain};
@@ -62,6 +62,7 @@ pub fn design_page(design: &DesignDocument) -> String {
             }
         }
         (head.foot(Some(&design.problem)))
+        (script())
     };
     page(&format!("{}: the design of a set-up", design.name), &body)
 }

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::head::{Head, Tone, figure};
 use super::table::{Cell, Row, table};
-use super::{page, plots};
+use super::{page, plots, script};
 use crate::figures::{grouped, short};
 use crate::plan::document::{Mean, OutcomeSummary, StudyDocument};
 use crate::report::outcome::strongest;
@@ -50,6 +50,7 @@ pub fn study_page(study: &StudyDocument) -> String {
             }
         }
         (head.foot(None))
+        (script())
     };
     page(&format!("{}: a study", study.name), &body)
 }

@@ -1,13 +1,14 @@
 // Opens pages of other documents than plans in Chromium, and holds them to what every page must be: node document.mjs PAGE.html…
 import assert from "node:assert/strict";
-import { basename, resolve } from "node:path";
+import { basename, dirname, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 import { PHONE, assertAccessible, assertAllVisible, assertNothingCutOff, check, close, failures, launch, open, print, shoot } from "./browser.mjs";
 
 const browser = await launch();
 for (const file of process.argv.slice(2)) {
   const address = pathToFileURL(resolve(file)).href;
-  const name = basename(file, ".html");
+  // The page of a study or a design is called report.html, in a folder with a name.
+  const name = basename(file) === "report.html" ? basename(dirname(resolve(file))) : basename(file, ".html");
   const parts = ["h1", ".verdict", ".next", "table", ".plot svg"];
 
   for (const colorScheme of ["light", "dark"]) {
