@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{Point3, Vector3};
 
-use super::visibility::{VisibilityLimits, cos_tilt};
+use super::visibility::{VisibilityLimits, cos_tilt, square_height};
 use crate::camera::Camera;
 use crate::spatial::Pose;
 use crate::target::Board;
@@ -27,7 +27,7 @@ pub struct Measures {
     /// How far in px the outermost corner that must be seen is beyond the allowed part of the image; not positive inside, infinite
     /// where the lens model does not reach.
     pub overhang: f64,
-    /// Least distance in px of neighbouring corners; infinite where none are projected.
+    /// Least height in px of a square in the image; infinite where none are projected.
     pub spacing: f64,
 }
 
@@ -68,8 +68,8 @@ pub struct Sighting<'a> {
     corners: Vec<Point3<f64>>,
     /// How many of them must be in the image.
     least: usize,
-    /// Neighbours, at the board's corners and in its middle.
-    neighbours: Vec<[Point3<f64>; 2]>,
+    /// Corners with their neighbours along the row and the column, at the board's corners and in its middle.
+    squares: Vec<[Point3<f64>; 3]>,
 }
 
 impl<'a> Sighting<'a> {
@@ -80,16 +80,15 @@ impl<'a> Sighting<'a> {
             rows.iter().flat_map(|&row| columns.iter().map(move |&column| board.corner(column, row))).collect();
         let share = limits.min_corners.map_or(1.0, |least| least as f64 / board.corner_count() as f64);
         let least = ((share * corners.len() as f64).round() as usize).clamp(1, corners.len());
-        let mut neighbours = Vec::new();
+        let mut squares = Vec::new();
         for row in [0, board.rows / 2, board.rows - 1] {
             for column in [0, board.columns / 2, board.columns - 1] {
                 let beside = if column > 0 { column - 1 } else { 1 };
                 let above = if row > 0 { row - 1 } else { 1 };
-                let corner = board.corner(column, row);
-                neighbours.extend([[corner, board.corner(beside, row)], [corner, board.corner(column, above)]]);
+                squares.push([board.corner(column, row), board.corner(beside, row), board.corner(column, above)]);
             }
         }
-        Self { camera, limits, corners, least, neighbours }
+        Self { camera, limits, corners, least, squares }
     }
 
     /// What the camera measures of the board at `X_CT`.
@@ -100,14 +99,18 @@ impl<'a> Sighting<'a> {
         let mut overhangs: Vec<f64> = self.corners.iter().map(|corner| self.overhang(&(X_CT * corner))).collect();
         overhangs.sort_by(f64::total_cmp);
         let pixel = |corner: &Point3<f64>| self.camera.project(&(X_CT * corner));
-        let between = |[a, b]: &[Point3<f64>; 2]| Some((pixel(a)? - pixel(b)?).norm());
+        let height = |[corner, beside, above]: &[Point3<f64>; 3]| {
+            let corner = pixel(corner)?;
+            let edge = |neighbour| pixel(neighbour).map(|neighbour| neighbour - corner);
+            square_height(edge(beside), edge(above))
+        };
         Measures {
             distance,
             incidence: arc_cosine(-normal.dot(&to_board) / distance),
             tilt: arc_cosine(cos_tilt(X_CT)),
             off_axis: arc_cosine(to_board.z / distance),
             overhang: overhangs[self.least - 1],
-            spacing: self.neighbours.iter().filter_map(between).fold(f64::INFINITY, f64::min),
+            spacing: self.squares.iter().filter_map(height).fold(f64::INFINITY, f64::min),
         }
     }
 

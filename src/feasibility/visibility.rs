@@ -5,7 +5,7 @@ use nalgebra::{Point3, Vector2, Vector3};
 use super::rejection::Rejection;
 use crate::camera::Camera;
 use crate::spatial::Pose;
-use crate::target::{Corners, Target};
+use crate::target::{Board, Corners, Target};
 
 /// What a view must satisfy.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,7 +20,7 @@ pub struct VisibilityLimits {
     pub min_distance: f64,
     /// Greatest distance in m from the camera to the board's centre.
     pub max_distance: f64,
-    /// Least distance in px of neighbouring corners in the image.
+    /// Least distance in px of neighbouring rows and columns of corners in the image: the height of the squares' parallelograms.
     pub min_corner_spacing: f64,
     /// Fewest corners that make a view, of a board that can be read in part; none where every corner must be seen.
     pub min_corners: Option<usize>,
@@ -62,7 +62,7 @@ pub(super) fn visible_corners(
     };
     let Some(least) = limits.min_corners else {
         let pixels = corners.iter().map(pixel).collect::<Result<Vec<_>, Rejection>>()?;
-        let crowded = is_crowded(target.board.columns, pixels.len(), limits.min_corner_spacing, |i| Some(&pixels[i]));
+        let crowded = is_crowded(&target.board, limits.min_corner_spacing, |i| pixels.get(i));
         return if crowded { Err(Rejection::CornerSpacing) } else { Ok(Corners::All) };
     };
     let pixels: Vec<Result<Vector2<f64>, Rejection>> = corners.iter().map(pixel).collect();
@@ -70,8 +70,8 @@ pub(super) fn visible_corners(
     let Some(seen) = seen else {
         return Err(pixels.into_iter().find_map(Result::err).unwrap_or(Rejection::OutsideImage));
     };
-    let at = |i: usize| pixels[i].as_ref().ok();
-    if is_crowded(target.board.columns, pixels.len(), limits.min_corner_spacing, at) {
+    let at = |i: usize| pixels.get(i).and_then(|pixel| pixel.as_ref().ok());
+    if is_crowded(&target.board, limits.min_corner_spacing, at) {
         return Err(Rejection::CornerSpacing);
     }
     Ok(seen)
@@ -85,14 +85,28 @@ pub(super) fn enough(target: &Target, least: usize, corners: Vec<usize>) -> Opti
     (corners.len() >= least && target.board.fix_homography(&corners)).then_some(Corners::Some(corners))
 }
 
-/// Whether two neighbours of a board with so many columns, of those of its `count` corners that `at` has an image of, are
-/// nearer in the image than `least` (px).
-fn is_crowded<'p>(columns: usize, count: usize, least: f64, at: impl Fn(usize) -> Option<&'p Vector2<f64>>) -> bool {
-    let too_close = |i: usize, j: usize| match (at(i), at(j)) {
-        (Some(a), Some(b)) => (a - b).norm() < least,
-        _ => false,
-    };
-    (0..count).any(|i| (i % columns != 0 && too_close(i, i - 1)) || (i >= columns && too_close(i, i - columns)))
+/// Whether a square of a board, of those of its corners that `at` has an image of, is lower in the image than `least` (px).
+fn is_crowded<'p>(board: &Board, least: f64, at: impl Fn(usize) -> Option<&'p Vector2<f64>>) -> bool {
+    let Board { columns, .. } = *board;
+    (0..board.corner_count()).any(|i| {
+        let Some(corner) = at(i) else { return false };
+        let beside = if i % columns > 0 { i - 1 } else { i + 1 };
+        let above = if i >= columns { i - columns } else { i + columns };
+        let edge = |j: usize| at(j).map(|neighbour| neighbour - corner);
+        square_height(edge(beside), edge(above)).is_some_and(|height| height < least)
+    })
+}
+
+/// The least height in px of the parallelogram that two edges of a square are in the image: how near to the next row or column its
+/// corners are. Of a single edge its length.
+pub(super) fn square_height(a: Option<Vector2<f64>>, b: Option<Vector2<f64>>) -> Option<f64> {
+    match (a, b) {
+        (Some(a), Some(b)) => {
+            let longer = a.norm().max(b.norm());
+            Some(if longer > 0.0 { a.perp(&b).abs() / longer } else { 0.0 })
+        }
+        (edge, other) => edge.or(other).map(|edge| edge.norm()),
+    }
 }
 
 #[cfg(test)]
@@ -101,7 +115,7 @@ mod tests {
 
     use super::*;
     use crate::camera::Lens;
-    use crate::target::{Board, Zone};
+    use crate::target::Zone;
 
     const BOARD: Board = Board { columns: 4, rows: 3, square: 0.03 };
 
@@ -203,6 +217,15 @@ mod tests {
             assert_eq!(seen(&limits, &X_CT), Err(Rejection::CornerSpacing), "{r:?}");
             assert_eq!(seen(&part, &X_CT), Err(Rejection::CornerSpacing), "{r:?}");
         }
+    }
+
+    #[test]
+    fn slanted_squares_are_as_high_as_their_rows_are_apart() {
+        // Edges of 20 px that meet at 30°.
+        let (along, slanted) = (Vector2::new(20.0, 0.0), Vector2::new(-20.0 * 0.75f64.sqrt(), 10.0));
+        assert!((square_height(Some(along), Some(slanted)).unwrap() - 10.0).abs() < 1e-12);
+        assert_eq!(square_height(None, Some(along)), Some(20.0));
+        assert_eq!(square_height(Some(Vector2::zeros()), Some(Vector2::zeros())), Some(0.0));
     }
 
     #[test]

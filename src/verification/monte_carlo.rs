@@ -33,6 +33,16 @@ pub struct Trials<'a> {
     pub seed: u64,
 }
 
+/// How the simulated sets are calibrated, where the corners scatter unequally.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Weighing {
+    /// By weights as the problem's noise has them.
+    #[default]
+    Weighted,
+    /// Without, as OpenCV's `calibrateCamera` does.
+    Unweighted,
+}
+
 /// What was predicted for the plan, p×p in the order of the unknowns.
 #[derive(Debug, Clone, Copy)]
 pub struct Prediction<'a> {
@@ -282,6 +292,7 @@ mod tests {
     use super::*;
     use crate::calibration::{Start, refine};
     use crate::camera::{Camera, Lens};
+    use crate::information::NoiseModel;
     use crate::target::Corners;
 
     const BOARD: Board = Board { columns: 8, rows: 6, square: 0.035 };
@@ -325,6 +336,7 @@ mod tests {
                 poses: poses.clone(),
                 seen: vec![Corners::All; poses.len()],
                 sigma: vec![sigma; poses.len()],
+                noise: NoiseModel::Constant,
                 missing: 0.0,
             },
             settings: CalibrationSettings::default(),
@@ -369,6 +381,7 @@ mod tests {
                 poses: poses.to_vec(),
                 seen: vec![Corners::All; poses.len()],
                 sigma: vec![0.3; poses.len()],
+                noise: NoiseModel::Constant,
                 missing: 0.0,
             },
             settings: CalibrationSettings::default(),

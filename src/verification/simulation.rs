@@ -1,12 +1,13 @@
 //! Simulated detections.
 
-use nalgebra::{Point3, Vector2};
+use nalgebra::{Matrix2, Point3};
 use rand::{Rng, RngCore, SeedableRng};
 use rand_distr::StandardNormal;
 use rand_xoshiro::{SplitMix64, Xoshiro256PlusPlus};
 
 use crate::calibration::{Corner, FEWEST_CORNERS, ObservationError, Observations, View};
 use crate::camera::Camera;
+use crate::information::{NoiseModel, Whitening};
 use crate::spatial::Pose;
 use crate::target::{Board, Corners};
 
@@ -19,8 +20,10 @@ pub struct Scene {
     pub poses: Vec<Pose>,
     /// The corners to see in each view; others are hidden.
     pub seen: Vec<Corners>,
-    /// Standard deviation of a pixel coordinate in each view, px.
+    /// Standard deviation of a pixel coordinate in each view, px; under a model of noise that of a corner seen square-on.
     pub sigma: Vec<f64>,
+    /// How a corner's scatter depends on how it is seen.
+    pub noise: NoiseModel,
     /// Chance of each corner to go undetected.
     pub missing: f64,
 }
@@ -43,7 +46,8 @@ impl Scene {
                 if self.missing > 0.0 && rng.gen_bool(self.missing) {
                     return None;
                 }
-                let noise = Vector2::new(rng.sample(StandardNormal), rng.sample(StandardNormal));
+                let normal = [rng.sample(StandardNormal), rng.sample(StandardNormal)];
+                let noise = self.whitening(board, index, &p_T, X_CT)?.coloured(normal);
                 Some(Corner { index, pixel: pixel + noise * *sigma, weight: 1.0 })
             };
             views.push(board.corners().enumerate().filter_map(&mut see).collect());
@@ -51,9 +55,19 @@ impl Scene {
         views.retain(|view| view.len() >= FEWEST_CORNERS);
         Observations::new(*board, self.camera.width(), self.camera.height(), views)
     }
+
+    fn whitening(&self, board: &Board, index: usize, p_T: &Point3<f64>, X_CT: &Pose) -> Option<Whitening> {
+        if self.noise == NoiseModel::Constant {
+            return Some(Whitening::NONE);
+        }
+        let projection = self.camera.project_with_derivatives(&(X_CT * p_T))?;
+        let R = X_CT.rotation.to_rotation_matrix();
+        let by_place: Matrix2<f64> = projection.by_point * R.matrix().fixed_columns::<2>(0);
+        Some(self.noise.whitening(&board.feature(index), &by_place))
+    }
 }
 
-/// The corners of `board` that `camera` sees at the poses `X_CT`, each coordinate with Gaussian noise of `sigma` px: a
+/// The corners of `board` that `camera` sees at the poses `X_CT`, each coordinate with Gaussian noise of `sigma` px wherever it is: a
 /// [`Scene`] as planned.
 ///
 /// # Errors
@@ -70,6 +84,7 @@ pub fn simulate(
         poses: poses.to_vec(),
         seen: vec![Corners::All; poses.len()],
         sigma: vec![sigma; poses.len()],
+        noise: NoiseModel::Constant,
         missing: 0.0,
     };
     scene.observe(board, seed)

@@ -35,7 +35,7 @@ fn desk(views: usize) -> tempfile::TempDir {
         })
         .collect();
     let board = problem.target.board;
-    let seen = simulate(&problem.camera, &board, &poses, problem.noise, 4).unwrap();
+    let seen = simulate(&problem.camera, &board, &poses, problem.noise.sigma, 4).unwrap();
     let view = |(i, corners): (usize, &Vec<calipose::calibration::Corner>)| {
         let mut pixels = vec![Value::Null; board.corner_count()];
         for corner in corners {

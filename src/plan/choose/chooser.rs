@@ -5,11 +5,11 @@ use std::ops::ControlFlow;
 use nalgebra::DMatrix;
 
 use super::choice::{Choice, Reached};
-use super::constraints::{Captured, captured, constraints, known};
+use super::constraints::{Captured, captured, constraints, known, stated};
 use super::error::PlanError;
 use super::objective::Objective;
 use super::{kmeans, random};
-use crate::information::Criterion;
+use crate::information::{Criterion, NoiseModel, Unweighted};
 use crate::plan::survey::Survey;
 use crate::problem::{Accuracy, Goal, Method, Problem};
 use crate::selection::packed::{inverse, pack, packed_len, unpack};
@@ -293,6 +293,25 @@ impl<'a> Chooser<'a> {
             None => vec![],
         };
         (sigma, (-0.5 * self.map_error.log_value(&mut pack(M), M.nrows())).exp())
+    }
+
+    /// Standard deviations and map error of a choice if the corners, which scatter unequally, are all given one weight: what OpenCV's
+    /// `calibrateCamera` makes of it. `None` where all scatter alike, or an intrinsic is left undetermined.
+    pub(crate) fn unweighted(&self, selected: &[usize]) -> Option<(Vec<f64>, f64)> {
+        let Self { problem, survey, .. } = self;
+        if problem.noise.model == NoiseModel::Constant {
+            return None;
+        }
+        let measurement = problem.measurement();
+        let mut estimate = Unweighted::new(&stated(problem));
+        let taken = self.captured.iter().map(|Captured { X_CT, seen }| (X_CT, seen));
+        let chosen = selected.iter().map(|&i| (&survey.views[i].X_CT, &survey.views[i].seen));
+        for (X_CT, seen) in taken.chain(chosen) {
+            estimate.add(&measurement, X_CT, seen)?;
+        }
+        let covariance = estimate.covariance()?;
+        let map_error = (&survey.map_weight * &covariance).trace().sqrt();
+        Some((covariance.diagonal().map(f64::sqrt).iter().copied().collect(), map_error))
     }
 
     pub(crate) fn instance(&self, count: usize) -> Result<Instance<'_>, PlanError> {

@@ -56,6 +56,9 @@ pub struct Plan {
     pub intrinsics: Intrinsics,
     /// Predicted RMS error of the calibrated projection over the image, in px.
     pub map_error_px: f64,
+    /// What plain least squares would make of the poses, where the corners scatter unequally.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub unweighted: Option<UnweightedAccuracy>,
     /// The proof of the bound; where a search followed, of the bound that it started from.
     pub certificate: CertificateDocument,
     /// How the search for the proven best set went, if there was one.
@@ -110,6 +113,15 @@ pub struct Intrinsics {
     pub sigma: Vec<f64>,
 }
 
+/// What a calibration that gives all corners one weight, as OpenCV's `calibrateCamera` does, makes of the poses.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct UnweightedAccuracy {
+    /// Predicted standard deviations of the intrinsics, in their order.
+    pub sigma: Vec<f64>,
+    /// Predicted RMS error of the calibrated projection over the image, in px.
+    pub map_error_px: f64,
+}
+
 impl Document for Plan {
     const FORMAT: &'static str = "calipose.plan";
     const VERSION: u32 = 3;
@@ -153,6 +165,9 @@ impl Plan {
                 sigma: choice.sigma.clone(),
             },
             map_error_px: choice.map_error,
+            unweighted: chooser
+                .unweighted(&choice.selected)
+                .map(|(sigma, map_error_px)| UnweightedAccuracy { sigma, map_error_px }),
             certificate: document(&decision.certificate),
             search: decision.search.as_ref().map(SearchDocument::new),
             fewest,
