@@ -292,7 +292,7 @@ mod tests {
     use super::*;
     use crate::calibration::{Start, refine};
     use crate::camera::{Camera, Lens};
-    use crate::information::NoiseModel;
+    use crate::information::{Noise, NoiseModel};
     use crate::target::Corners;
 
     const BOARD: Board = Board { columns: 8, rows: 6, square: 0.035 };
@@ -315,7 +315,8 @@ mod tests {
 
     /// The covariance at the truth: that of a refinement of noise-free corners, brought to `sigma`.
     fn predicted(estimated: &[usize], sigma: f64) -> DMatrix<f64> {
-        let observations = crate::verification::simulate(&camera(), &BOARD, &poses(), 1e-4, 0).unwrap();
+        let noise = Noise { sigma: 1e-4, model: NoiseModel::Constant };
+        let observations = crate::verification::simulate(&camera(), &BOARD, &poses(), noise, 0).unwrap();
         let start = Start { camera: camera(), poses: poses() };
         let found = refine(&observations, start, estimated, &CalibrationSettings::default()).unwrap();
         found.covariance * (sigma / found.sigma).powi(2)

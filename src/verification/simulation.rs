@@ -7,7 +7,7 @@ use rand_xoshiro::{SplitMix64, Xoshiro256PlusPlus};
 
 use crate::calibration::{Corner, FEWEST_CORNERS, ObservationError, Observations, View};
 use crate::camera::Camera;
-use crate::information::{NoiseModel, Whitening};
+use crate::information::{Noise, NoiseModel, Whitening};
 use crate::spatial::Pose;
 use crate::target::{Board, Corners};
 
@@ -67,8 +67,7 @@ impl Scene {
     }
 }
 
-/// The corners of `board` that `camera` sees at the poses `X_CT`, each coordinate with Gaussian noise of `sigma` px wherever it is: a
-/// [`Scene`] as planned.
+/// The corners of `board` that `camera` sees at the poses `X_CT`, with Gaussian `noise`: a [`Scene`] as planned.
 ///
 /// # Errors
 /// As [`Scene::observe`].
@@ -76,15 +75,15 @@ pub fn simulate(
     camera: &Camera,
     board: &Board,
     poses: &[Pose],
-    sigma: f64,
+    noise: Noise,
     seed: u64,
 ) -> Result<Observations, ObservationError> {
     let scene = Scene {
         camera: camera.clone(),
         poses: poses.to_vec(),
         seen: vec![Corners::All; poses.len()],
-        sigma: vec![sigma; poses.len()],
-        noise: NoiseModel::Constant,
+        sigma: vec![noise.sigma; poses.len()],
+        noise: noise.model,
         missing: 0.0,
     };
     scene.observe(board, seed)
@@ -108,13 +107,17 @@ mod tests {
         Camera::new(Lens::Pinhole, 1000, 1000, &[1000.0, 1000.0, 499.5, 499.5]).unwrap()
     }
 
+    fn noise(sigma: f64) -> Noise {
+        Noise { sigma, model: NoiseModel::Constant }
+    }
+
     #[test]
     fn noise_has_the_deviation_asked_for_and_repeats_with_its_seed() {
         let poses = vec![Pose::translation(0.0, 0.0, 1.0); 10];
-        let noisy = simulate(&camera(), &BOARD, &poses, 0.5, 7).unwrap();
-        assert_eq!(noisy, simulate(&camera(), &BOARD, &poses, 0.5, 7).unwrap());
-        assert_ne!(noisy, simulate(&camera(), &BOARD, &poses, 0.5, 8).unwrap());
-        let clean = simulate(&camera(), &BOARD, &poses, 0.0, 7).unwrap();
+        let noisy = simulate(&camera(), &BOARD, &poses, noise(0.5), 7).unwrap();
+        assert_eq!(noisy, simulate(&camera(), &BOARD, &poses, noise(0.5), 7).unwrap());
+        assert_ne!(noisy, simulate(&camera(), &BOARD, &poses, noise(0.5), 8).unwrap());
+        let clean = simulate(&camera(), &BOARD, &poses, noise(0.0), 7).unwrap();
         let pairs = noisy.views().iter().flatten().zip(clean.views().iter().flatten());
         let sum: f64 = pairs.map(|(a, b)| (a.pixel - b.pixel).norm_squared()).sum();
         // 8000 coordinates: the deviation is known to 0.8 %.
@@ -123,10 +126,10 @@ mod tests {
 
     #[test]
     fn corners_outside_the_image_are_missing() {
-        let half = simulate(&camera(), &BOARD, &[Pose::translation(0.5, 0.0, 1.0)], 0.0, 1).unwrap();
+        let half = simulate(&camera(), &BOARD, &[Pose::translation(0.5, 0.0, 1.0)], noise(0.0), 1).unwrap();
         assert_eq!(half.corner_count(), 200);
         let behind = Pose::new(Vector3::new(0.0, 0.0, -1.0), Vector3::zeros());
-        let error = simulate(&camera(), &BOARD, &[behind], 0.0, 1).unwrap_err();
+        let error = simulate(&camera(), &BOARD, &[behind], noise(0.0), 1).unwrap_err();
         assert_eq!(error, ObservationError::NoViews);
     }
 

@@ -142,7 +142,7 @@ fn observations(plan: &Value, problem: &Problem) -> Value {
     };
     let poses: Vec<_> = plan["poses"].as_array().unwrap().iter().map(pose).collect();
     let board = problem.target.board;
-    let seen = simulate(&problem.camera, &board, &poses, problem.noise.sigma, 4).unwrap();
+    let seen = simulate(&problem.camera, &board, &poses, problem.noise, 4).unwrap();
     let views = seen.views().iter().enumerate().map(|(i, corners)| {
         let mut pixels = vec![Value::Null; board.corner_count()];
         for corner in corners {

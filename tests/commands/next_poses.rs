@@ -23,7 +23,8 @@ fn calipose(folder: &Path, line: &str) -> Output {
 fn desk(views: usize) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let text = std::fs::read_to_string("problems/servosila-engineer.toml").unwrap();
-    let text = text.replace("step_deg = 8\naxis", "step_deg = 10\naxis");
+    let text =
+        text.replace("step_deg = 8\naxis", "step_deg = 10\naxis").replace("window_px = 5", "model = \"constant\"");
     std::fs::write(folder.path().join("problem.toml"), &text).unwrap();
     let plan = json_of(folder.path(), "plan problem.toml -k 12 --criterion d --trials 0 -o out --json");
     let problem = Problem::parse(&text, Path::new("problem.toml")).unwrap();
@@ -35,7 +36,7 @@ fn desk(views: usize) -> tempfile::TempDir {
         })
         .collect();
     let board = problem.target.board;
-    let seen = simulate(&problem.camera, &board, &poses, problem.noise.sigma, 4).unwrap();
+    let seen = simulate(&problem.camera, &board, &poses, problem.noise, 4).unwrap();
     let view = |(i, corners): (usize, &Vec<calipose::calibration::Corner>)| {
         let mut pixels = vec![Value::Null; board.corner_count()];
         for corner in corners {

@@ -274,12 +274,17 @@ fn summary(
         if problem.constraints.allow_all() { "" } else { "; constraints aside" },
     );
     let tried = verified.map(|found| format!("{}\n", sentence(found))).unwrap_or_default();
+    let unweighted = plan.unweighted.as_ref().map(|unweighted| {
+        let map_error = short(unweighted.map_error_px);
+        format!("A calibration without weights, such as OpenCV's: map error {map_error} px predicted.\n")
+    });
+    let unweighted = unweighted.unwrap_or_default();
     Ok(format!(
         "{}\n\n{}\n\n{}\n\n{}\n\n{}",
         wrapped(&outcome(plan)),
         pose_table(problem, &plan.poses),
         table(&["intrinsic", "nominal", "predicted sigma"], &rows),
-        wrapped(&format!("{tried}{compared}")),
+        wrapped(&format!("{tried}{unweighted}{compared}")),
         wrapped(&found),
     ))
 }

@@ -9,6 +9,7 @@ use super::constraints::{Captured, captured, constraints, known, stated};
 use super::error::PlanError;
 use super::objective::Objective;
 use super::{kmeans, random};
+use crate::feasibility::View;
 use crate::information::{Criterion, NoiseModel, Unweighted};
 use crate::plan::survey::Survey;
 use crate::problem::{Accuracy, Goal, Method, Problem};
@@ -295,9 +296,9 @@ impl<'a> Chooser<'a> {
         (sigma, (-0.5 * self.map_error.log_value(&mut pack(M), M.nrows())).exp())
     }
 
-    /// Standard deviations and map error of a choice if the corners, which scatter unequally, are all given one weight: what OpenCV's
+    /// Standard deviations and map error of `views`, with those taken already, if the corners, which scatter unequally, are all given one weight: what OpenCV's
     /// `calibrateCamera` makes of it. `None` where all scatter alike, or an intrinsic is left undetermined.
-    pub(crate) fn unweighted(&self, selected: &[usize]) -> Option<(Vec<f64>, f64)> {
+    pub(crate) fn unweighted<'v>(&self, views: impl IntoIterator<Item = &'v View>) -> Option<(Vec<f64>, f64)> {
         let Self { problem, survey, .. } = self;
         if problem.noise.model == NoiseModel::Constant {
             return None;
@@ -305,7 +306,7 @@ impl<'a> Chooser<'a> {
         let measurement = problem.measurement();
         let mut estimate = Unweighted::new(&stated(problem));
         let taken = self.captured.iter().map(|Captured { X_CT, seen }| (X_CT, seen));
-        let chosen = selected.iter().map(|&i| (&survey.views[i].X_CT, &survey.views[i].seen));
+        let chosen = views.into_iter().map(|view| (&view.X_CT, &view.seen));
         for (X_CT, seen) in taken.chain(chosen) {
             estimate.add(&measurement, X_CT, seen)?;
         }

@@ -342,6 +342,7 @@ mod tests {
         [sweep]
         step_deg = 0.5
         [visibility]
+        margin_px = 5
         min_distance_mm = 100
     "#;
 

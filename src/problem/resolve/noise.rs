@@ -16,9 +16,9 @@ impl Check<'_, '_> {
     pub(super) fn noise(&mut self, noise: &At<schema::Noise>) -> Noise {
         let sigma = self.number(&key!(noise, sigma_px), SIGMA);
         let window = key!(noise, window_px);
-        let model = match noise.value.model.map(|name| name.0).unwrap_or_default() {
+        let model = match noise.value.model.0 {
             NoiseName::Constant => {
-                self.refused(&[&window], "constant noise", "say model = \"edges\", or leave it out");
+                self.refused(&[&window], "constant noise", "leave it out, or `noise.model`, which is \"edges\" then");
                 NoiseModel::Constant
             }
             NoiseName::Edges => NoiseModel::Edges {

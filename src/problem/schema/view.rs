@@ -12,8 +12,8 @@ use crate::information::NoiseName;
 #[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct Visibility {
-    /// Minimum distance of every corner from the centres of the outermost pixels, in px; 5 when left out, and 3 more than
-    /// `noise.window_px` where `noise.model` is "edges".
+    /// Minimum distance of every corner from the centres of the outermost pixels, in px; 3 more than
+    /// `noise.window_px` when left out, and 5 for constant noise.
     pub(crate) margin_px: Option<f64>,
     /// Maximum angle between the board's normal and the direction to the camera, in degrees.
     pub(crate) max_incidence_deg: f64,
@@ -24,7 +24,7 @@ pub(crate) struct Visibility {
     /// Maximum distance from the camera to the board's centre, in mm.
     pub(crate) max_distance_mm: f64,
     /// Minimum distance between neighbouring rows and columns of corners in the image, in px: the height of the squares, however slanted;
-    /// 5 when left out, and 1.5 times `noise.window_px` and half a px where `noise.model` is "edges".
+    /// 1.5 times `noise.window_px` and half a px when left out, and 5 for constant noise.
     pub(crate) min_corner_spacing_px: Option<f64>,
     /// Minimum number of corners in a view, for boards that can be read in part (`ChArUco`, grids of tags); every corner when left
     /// out.
@@ -40,8 +40,8 @@ pub(crate) struct Noise {
     /// square-on.
     pub(crate) sigma_px: f64,
     /// How it depends on the view: "constant" not at all, "edges" by the length of the edges that the detector sees and by the angle at
-    /// which they meet; "constant" when left out.
-    pub(crate) model: Option<Named<NoiseName>>,
+    /// which they meet.
+    pub(crate) model: Named<NoiseName>,
     /// Half the side of the detector's window in px, as `winSize` of OpenCV's `cornerSubPix`, for "edges"; 5 when left out.
     pub(crate) window_px: Option<f64>,
 }
@@ -74,6 +74,6 @@ impl Default for Visibility {
 
 impl Default for Noise {
     fn default() -> Self {
-        Self { sigma_px: 0.3, model: None, window_px: None }
+        Self { sigma_px: 0.3, model: Named(NoiseName::default()), window_px: None }
     }
 }

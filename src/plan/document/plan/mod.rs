@@ -19,6 +19,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::feasibility::View;
 use crate::plan::choose::{Chooser, Decision, PlanError};
 use crate::plan::document::header::{Document, Header, ProblemReference};
 use crate::robot::Joint;
@@ -122,6 +123,13 @@ pub struct UnweightedAccuracy {
     pub map_error_px: f64,
 }
 
+impl UnweightedAccuracy {
+    /// Of `views`, in the survey of `chooser` or not; `None` where weights change nothing.
+    pub(crate) fn new<'v>(chooser: &Chooser, views: impl IntoIterator<Item = &'v View>) -> Option<Self> {
+        chooser.unweighted(views).map(|(sigma, map_error_px)| Self { sigma, map_error_px })
+    }
+}
+
 impl Document for Plan {
     const FORMAT: &'static str = "calipose.plan";
     const VERSION: u32 = 3;
@@ -165,9 +173,7 @@ impl Plan {
                 sigma: choice.sigma.clone(),
             },
             map_error_px: choice.map_error,
-            unweighted: chooser
-                .unweighted(&choice.selected)
-                .map(|(sigma, map_error_px)| UnweightedAccuracy { sigma, map_error_px }),
+            unweighted: UnweightedAccuracy::new(chooser, choice.selected.iter().map(|&i| &survey.views[i])),
             certificate: document(&decision.certificate),
             search: decision.search.as_ref().map(SearchDocument::new),
             fewest,
