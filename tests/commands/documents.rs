@@ -183,6 +183,7 @@ fn every_document_is_as_its_schema_says() {
         "figures out/plan.json --format svg",
         "verify out/plan.json -n 30",
         "certify out/plan.json",
+        "render out/plan.json --supersampling 1",
         "explain out/plan.json --most 13 --spares 1",
         "polish out/plan.json --cycles 1",
         "next out/plan.json seen.json -k 2",

@@ -215,6 +215,7 @@ const WRONG: &[(&str, &str, &str)] = &[
         "[constraints]\ngroups = [{ name = \"a\", joints = { turn = [0, 1] }, most = 1 }, { name = \"a\", joints = { turn = [2, 3] }, most = 1 }]\n\n[selection]",
     ),
     ("separation_negative", "[selection]", "[constraints]\njoint_separation_deg = -5\n\n[selection]"),
+    ("pictures_apart_by_less_than_nothing", "[selection]", "[constraints]\npicture_separation_px = -1\n\n[selection]"),
     ("constraints_of_a_baseline", "count = 10", "method = \"random\"\n\n[constraints]\nforbid = [3]"),
     ("empty_name", "name = \"Two joints\"", "name = \" \""),
     ("empty_folder", "[selection]", "[output]\nfolder = \"\"\n\n[selection]"),
