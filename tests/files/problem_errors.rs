@@ -104,7 +104,7 @@ const WRONG: &[(&str, &str, &str)] = &[
     ("lens_by_the_name_of_opencv", "\"brown-conrady\"", "\"fisheye\""),
     ("zero_noise", "sigma_px = 0.3", "sigma_px = 0"),
     ("noise_of_no_model", "sigma_px = 0.3", "sigma_px = 0.3\nmodel = \"edge\""),
-    ("window_of_constant_noise", "sigma_px = 0.3", "sigma_px = 0.3\nwindow_px = 5"),
+    ("window_of_constant_noise", "sigma_px = 0.3", "sigma_px = 0.3\nmodel = \"constant\"\nwindow_px = 5"),
     ("window_of_no_size", "sigma_px = 0.3", "sigma_px = 0.3\nmodel = \"edges\"\nwindow_px = 0"),
     ("limits_reversed", "limits_mm = [400, 600]", "limits_mm = [600, 400]"),
     ("unused_limits_reversed", "narrow = [-10, 10]", "narrow = [10, -10]"),
