@@ -46,9 +46,10 @@ pub(super) struct StageKeys {
 
 impl StageKeys {
     pub(super) fn of(problem: &Problem) -> Self {
-        let Problem { robot, camera, target, space, axis, visibility, clearance, stability, .. } = problem;
+        let Problem { robot, camera, target, space, axis, visibility, clearance, stability, robust, .. } = problem;
         let sweep = Fingerprint::of(&(robot, target, space, axis));
-        let feasible = Fingerprint::of(&(sweep, camera, visibility, clearance, stability));
+        let robust = robust.as_ref().map(|robust| (robust, problem.selection.seed));
+        let feasible = Fingerprint::of(&(sweep, camera, visibility, clearance, stability, robust));
         let survey = Fingerprint::of(&(feasible, problem.noise, &problem.estimated));
         Self { sweep, feasible, survey }
     }

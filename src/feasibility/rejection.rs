@@ -25,11 +25,13 @@ pub enum Rejection {
     SceneCollision,
     /// A link or an obstacle hides a corner, or so many that too few are left.
     Occluded,
+    /// It is a view in the set-up as stated, but in too few of those that may be.
+    Uncertain,
 }
 
 impl Rejection {
     /// Every reason, in the order of the checks.
-    pub const ALL: [Rejection; 11] = [
+    pub const ALL: [Rejection; 12] = [
         Rejection::BackSide,
         Rejection::Distance,
         Rejection::Incidence,
@@ -41,6 +43,7 @@ impl Rejection {
         Rejection::SelfCollision,
         Rejection::SceneCollision,
         Rejection::Occluded,
+        Rejection::Uncertain,
     ];
 
     /// Name as written in plans.
@@ -57,6 +60,7 @@ impl Rejection {
             Rejection::SelfCollision => "self_collision",
             Rejection::SceneCollision => "scene_collision",
             Rejection::Occluded => "occluded",
+            Rejection::Uncertain => "uncertain",
         }
     }
 }

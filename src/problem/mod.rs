@@ -15,6 +15,7 @@ mod goal;
 mod method;
 mod note;
 mod resolve;
+mod robust;
 mod schema;
 mod text;
 
@@ -28,6 +29,7 @@ pub use fault::{Allowed, Fault, Reason};
 pub use goal::{Accuracy, Goal, SelectionSettings};
 pub use method::Method;
 pub use note::Note;
+pub use robust::{RobustGoal, Robustness, Uncertainty};
 pub use schema::schema_json;
 pub use text::{OverrideError, Overrides};
 
@@ -82,6 +84,8 @@ pub struct Problem {
     pub estimated: Vec<usize>,
     /// Standard deviations known beforehand, of estimated intrinsics by index among them.
     pub prior_sigma: Vec<(usize, f64)>,
+    /// What the plan must withstand; none for the set-up as stated alone.
+    pub robust: Option<Robustness>,
     /// What to select.
     pub selection: SelectionSettings,
     /// Which sets of poses are allowed.

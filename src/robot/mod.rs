@@ -85,6 +85,16 @@ impl Robot {
         self.joints_without_bodies().count() < self.chain.dof()
     }
 
+    /// Moves the joints' zeros by so much (rad or m, one per joint): at joint values q the robot stands as it did at `q + zeros`.
+    pub(crate) fn move_zeros(&mut self, zeros: &[f64]) {
+        let stages = self.chain.stages.iter_mut().map(|stage| &mut stage.motion);
+        for motion in stages.chain(self.tree.links.iter_mut().map(|link| &mut link.motion)) {
+            if let Motion::Driven { joint, multiplier, offset, .. } = motion {
+                *offset += *multiplier * zeros[*joint];
+            }
+        }
+    }
+
     /// Poses `X_BL` of all links in the base frame at joint values `q` (rad or m).
     pub fn link_poses(&self, q: &[f64]) -> Vec<Pose> {
         let mut poses = self.tree.link_poses(q);

@@ -6,7 +6,7 @@
 //!
 //! Two loops. The outer one keeps a working set of columns: it scores **all** candidates with the gradient Y of log Φ,
 //! evaluates the certificate, and adds the best that are outside. The inner one is Newton's method on
-//! the working set: with `B = [map(M_i)]` the square root of the curvature (see [`Curvature`]), each step is the quadratic
+//! the working set: with `B = [map(M_i)]` the square root of the curvature (see `Curvature`), each step is the quadratic
 //! program
 //!
 //! ```text
@@ -25,9 +25,9 @@ use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, S
 
 use super::certificate::Certificate;
 use super::error::SelectionError;
-use super::function::{Curvature, Gradient};
+use super::function::Gradient;
 use super::greedy::highest;
-use super::instance::Instance;
+use super::instance::{Instance, InstanceCurvature};
 use super::packed::dot;
 
 /// When to stop, and how many columns to carry.
@@ -329,7 +329,7 @@ impl<'a> Master<'a> {
     }
 
     /// The minimiser of the quadratic model over the working set's weights; sets the prices to its multipliers.
-    fn newton_target(&mut self, gradient: &[f64], curvature: &[Curvature], rows: &[CapRow]) -> Option<Vec<f64>> {
+    fn newton_target(&mut self, gradient: &[f64], curvature: &InstanceCurvature, rows: &[CapRow]) -> Option<Vec<f64>> {
         let n = self.columns.len();
         let B: Vec<Vec<f64>> = self.columns.iter().map(|&i| self.instance.curve(curvature, i)).collect();
         let m = B[0].len();

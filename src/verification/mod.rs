@@ -16,4 +16,5 @@ pub use monte_carlo::{
     Failure, MapError, MonteCarlo, MonteCarloError, ParameterStatistics, Prediction, TrialFailure, Trials, Weighing,
     monte_carlo,
 };
+pub(crate) use simulation::trial_seed;
 pub use simulation::{Scene, simulate};

@@ -89,7 +89,7 @@ pub fn simulate(
 }
 
 /// The seed of one of many trials. A hash: seeds that differ by little would give streams that overlap or correlate.
-pub(super) fn trial_seed(seed: u64, trial: usize) -> u64 {
+pub(crate) fn trial_seed(seed: u64, trial: usize) -> u64 {
     SplitMix64::seed_from_u64(seed ^ (trial as u64).rotate_left(32)).next_u64()
 }
 

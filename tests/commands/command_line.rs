@@ -584,3 +584,24 @@ fn check_foresees_what_refinement_and_large_boards_cost() {
     assert!(seconds("large.toml") > 100.0);
     assert!(start.elapsed().as_secs() < 20, "the forecast itself took {:?}", start.elapsed());
 }
+
+/// Its console block, but for what depends on the machine.
+#[test]
+#[ignore = "slow: in the full set, `cargo test -- --ignored`"]
+fn the_readme_shows_what_the_program_prints() {
+    let readme = std::fs::read_to_string("README.md").unwrap();
+    let (command, rest) =
+        readme.split_once("$ cargo run --release -- plan problems/servosila-engineer.toml\n").unwrap();
+    assert!(command.ends_with("```console\n"));
+    let shown = rest.split("```").next().unwrap();
+    let problem = std::path::absolute("problems/servosila-engineer.toml").unwrap();
+    let desk = Desk::new();
+    let printed = desk.stdout(&format!("plan {} -o plans/servosila-engineer", problem.display()));
+    let mut lines = printed.lines();
+    let mut compared = 0;
+    for line in shown.lines().filter(|line| *line != "[…]" && !line.starts_with("report.html")) {
+        assert!(lines.any(|printed| printed == line), "the program does not print, or not there: {line}");
+        compared += 1;
+    }
+    assert!(compared > 15, "{compared}");
+}

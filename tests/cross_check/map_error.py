@@ -4,7 +4,7 @@
 
 From a plan's camera poses and its problem file alone: OpenCV's Jacobians of the corners by the intrinsics and by each view's
 pose, which a QR eliminates; the covariance of the intrinsics, with weights and without (the sandwich); and the map error as an
-integral over the image's area by a product Gauss rule on OpenCV's undistorted rays. Makes a virtual environment with OpenCV from PyPI (in
+integral over the image's area by a product Gauss rule on OpenCV's undistorted rays; of a robust plan in each scenario. Makes a virtual environment with OpenCV from PyPI (in
 $CROSS_CHECK_VENV, or a temporary folder). Exits with 1 where plan.json says otherwise by more than TOLERANCE.
 """
 
@@ -55,6 +55,13 @@ class Camera:
         self.K = np.array([[self.fx, 0, self.cx], [0, self.fy, self.cy], [0, 0, 1.0]])
         self.D = np.array(self.coefficients, dtype=float)
         self.names = ["fx", "fy", "cx", "cy", *COEFFICIENTS[self.model]]
+
+    def at(self, intrinsics):
+        """The same camera with other intrinsics, all of them."""
+        names = dict(zip(self.names, intrinsics))
+        size = {"width_px": self.size[0], "height_px": self.size[1]}
+        distortion = {"model": self.model, **{name: names[name] for name in COEFFICIENTS[self.model]}}
+        return Camera({**size, **{f"{name}_px": names[name] for name in self.names[:4]}, "distortion": distortion})
 
     def jacobians(self, points, rvec, tvec):
         """By the intrinsics (2m x p) and by rvec and tvec (2m x 6)."""
@@ -180,6 +187,7 @@ def compare(problem_path, plan_path):
     print(f"{plan_path}: {len(plan['poses'])} poses; map error {stated:.6f} px, by OpenCV and NumPy {found:.6f}; "
           f"worst sigma off by {worst:.1e}")
     good = abs(found / stated - 1) <= TOLERANCE and worst <= TOLERANCE
+    good &= withstands(problem, plan, camera, estimated)
     plain = plan.get("unweighted")
     if plain is None:
         return good
@@ -187,6 +195,26 @@ def compare(problem_path, plan_path):
     worst = max(abs(s / t - 1) for s, t in zip(sigma, plain["sigma"]))
     print(f"    without weights {plain['map_error_px']:.6f} px, by OpenCV and NumPy {unweighted:.6f}; worst sigma off by {worst:.1e}")
     return good and abs(unweighted / plain["map_error_px"] - 1) <= TOLERANCE and worst <= TOLERANCE
+
+
+def withstands(problem, plan, camera, estimated):
+    """Whether a robust plan's map errors in its scenarios are those of OpenCV and NumPy, and its value by `v` follows from them."""
+    if "robust" not in plan:
+        return True
+    scenarios, found = plan["robust"]["scenarios"], []
+    for scenario in scenarios:
+        drawn = camera.at(scenario["intrinsics"])
+        views = [view for view in scenario["views"] if view is not None]
+        M = sum(information(drawn, problem, view)[0] for view in views)[np.ix_(estimated, estimated)]
+        found.append(np.sqrt(np.trace(map_weight(drawn, estimated) @ inverse(M))))
+    worst = max(abs(f / scenario["map_error_px"] - 1) for f, scenario in zip(found, scenarios))
+    variances = np.array(found) ** 2
+    value = variances.max() if plan["robust"]["goal"] == "worst" else np.exp(np.log(variances).mean())
+    print(f"    {len(scenarios)} scenarios: map errors off by {worst:.1e}")
+    if plan["criterion"] == "v":
+        print(f"    {plan['robust']['goal']} of their squares {plan['value']:.6f}, by OpenCV and NumPy {value:.6f}")
+        worst = max(worst, abs(value / plan["value"] - 1))
+    return worst <= TOLERANCE
 
 
 if __name__ == "__main__":

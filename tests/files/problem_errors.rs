@@ -217,6 +217,17 @@ const WRONG: &[(&str, &str, &str)] = &[
     ("separation_negative", "[selection]", "[constraints]\njoint_separation_deg = -5\n\n[selection]"),
     ("pictures_apart_by_less_than_nothing", "[selection]", "[constraints]\npicture_separation_px = -1\n\n[selection]"),
     ("constraints_of_a_baseline", "count = 10", "method = \"random\"\n\n[constraints]\nforbid = [3]"),
+    ("nothing_uncertain", "[selection]", "[robust]\nscenarios = 4\n\n[selection]"),
+    ("one_scenario", "[selection]", "[robust]\nmount_rotation_deg = 1\nscenarios = 1\n\n[selection]"),
+    ("negative_deviation", "[selection]", "[robust]\nmount_translation_mm = -1\n\n[selection]"),
+    ("deviation_that_is_no_number", "[selection]", "[robust]\nfocal_length_percent = nan\n\n[selection]"),
+    ("more_often_than_always", "[selection]", "[robust]\njoint_zero_deg = 1\nseen_share = 99\n\n[selection]"),
+    ("deviation_of_an_unknown_intrinsic", "[selection]", "[robust]\nintrinsics = { k7 = 0.1 }\n\n[selection]"),
+    (
+        "mean_of_accuracies",
+        "count = 10",
+        "accuracy = { map_error_px = 2 }\n\n[robust]\njoint_zero_deg = 1\ngoal = \"mean\"",
+    ),
     ("empty_name", "name = \"Two joints\"", "name = \" \""),
     ("empty_folder", "[selection]", "[output]\nfolder = \"\"\n\n[selection]"),
 ];

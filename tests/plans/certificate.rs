@@ -16,12 +16,16 @@ use rand::{Rng, SeedableRng};
 use rand_distr::StandardNormal;
 use rand_xoshiro::Xoshiro256Plus;
 
-const SEEDS: u64 = 420;
+const SEEDS: u64 = 600;
+
+/// Cases before this one have one scenario.
+const ONE_SCENARIO: u64 = 420;
 
 /// A random instance that is small enough to search.
 #[derive(Debug, Clone)]
 struct Case {
-    terms: Vec<OwnedTerm>,
+    /// The terms of each scenario.
+    scenarios: Vec<Vec<OwnedTerm>>,
     count: usize,
     constraints: Constraints,
 }
@@ -93,22 +97,27 @@ fn constraints(rng: &mut impl Rng, n: usize, keeps: &[usize]) -> Constraints {
 }
 
 impl Case {
-    /// Case `seed`: every kind of function, two terms, and every kind of constraint in turn.
+    /// Case `seed`: every kind of function, two terms, several scenarios, and every kind of constraint in turn.
     fn random(seed: u64) -> Self {
         let mut rng = Xoshiro256Plus::seed_from_u64(seed);
         let n = rng.gen_range(4..=14);
         let count = rng.gen_range(1..=4);
-        let terms = match seed % 7 {
-            5 => vec![OwnedTerm::random(&mut rng, 1, n, count, 0.7), OwnedTerm::random(&mut rng, 0, n, count, 0.3)],
-            6 => vec![OwnedTerm::random(&mut rng, 3, n, count, 0.5), OwnedTerm::random(&mut rng, 4, n, count, 0.5)],
-            kind => vec![OwnedTerm::random(&mut rng, kind, n, count, 1.0)],
+        let mut term = |kind, share| OwnedTerm::random(&mut rng, kind, n, count, share);
+        let kind = if seed < ONE_SCENARIO { seed % 7 } else { 7 + seed % 3 };
+        let scenarios = match kind {
+            5 => vec![vec![term(1, 0.7), term(0, 0.3)]],
+            6 => vec![vec![term(3, 0.5), term(4, 0.5)]],
+            7 => vec![vec![term(1, 1.0)], vec![term(1, 1.0)], vec![term(0, 1.0)]],
+            8 => vec![vec![term(1, 0.7), term(0, 0.3)], vec![term(2, 0.7), term(0, 0.3)]],
+            9 => vec![vec![term(4, 1.0)], vec![term(4, 1.0)], vec![term(3, 1.0)]],
+            kind => vec![vec![term(kind, 1.0)]],
         };
         let mut constraints_of = |constrained: bool| {
             let keeps = rand::seq::index::sample(&mut rng, n, count).into_vec();
             if constrained { constraints(&mut rng, n, &keeps) } else { Constraints::default() }
         };
         let constraints = constraints_of(seed / 7 % 2 == 1);
-        Self { terms, count, constraints }
+        Self { scenarios, count, constraints }
     }
 
     /// As many candidates of rank one as there are parameters, along few directions: most sets are singular, under constraints
@@ -140,24 +149,28 @@ impl Case {
         let candidates = InformationSet::from_matrices(p, &matrices).unwrap();
         let keeps = rand::seq::index::sample(&mut rng, n, p).into_vec();
         let constraints = constraints(&mut rng, n, &keeps);
-        Self { terms: vec![OwnedTerm { candidates, prior: None, function, share: 1.0 }], count: p, constraints }
+        let term = OwnedTerm { candidates, prior: None, function, share: 1.0 };
+        Self { scenarios: vec![vec![term]], count: p, constraints }
     }
 
-    fn terms(&self) -> Vec<Term<'_>> {
-        self.terms
-            .iter()
-            .map(|OwnedTerm { candidates, prior, function, share }| Term {
-                candidates,
-                prior: prior.as_ref(),
-                function,
-                share: *share,
-            })
-            .collect()
+    fn scenarios(&self) -> Vec<Vec<Term<'_>>> {
+        fn term(OwnedTerm { candidates, prior, function, share }: &OwnedTerm) -> Term<'_> {
+            Term { candidates, prior: prior.as_ref(), function, share: *share }
+        }
+        self.scenarios.iter().map(|terms| terms.iter().map(term).collect()).collect()
+    }
+
+    /// Whether the least counts of several scenarios whose functions are least values too: a relaxation may come to rest early there.
+    fn has_kinks_in_kinks(&self) -> bool {
+        let smooth = |function: &InformationFunction| {
+            matches!(function, InformationFunction::Determinant | InformationFunction::Variance(_))
+        };
+        self.scenarios.len() > 1 && !self.scenarios.iter().flatten().all(|term| smooth(&term.function))
     }
 
     /// The instance; none if the allowed candidates leave something undetermined.
     fn instance(&self) -> Option<Instance<'_>> {
-        match Instance::constrained(&self.terms(), self.count, self.constraints.clone()) {
+        match Instance::of_scenarios(&self.scenarios(), self.count, self.constraints.clone()) {
             Err(SelectionError::Unobservable { .. }) => None,
             instance => Some(instance.unwrap()),
         }
@@ -201,12 +214,20 @@ fn value(instance: &Instance, selected: &[usize]) -> f64 {
 
 #[test]
 fn no_selection_beats_the_bound_and_the_methods_are_in_order() {
+    let (mut unsolved, mut singular) = (0, 0);
     for seed in 0..SEEDS {
         let case = Case::random(seed);
         let Some(instance) = case.instance() else { continue };
         let optimum = case.optimum(&instance);
         // Never a dead end: the constraints allow a set.
-        let first = greedy(&instance).unwrap();
+        let first = match greedy(&instance) {
+            // Of several scenarios it may leave one undetermined.
+            Err(SelectionError::Unobservable { .. }) if case.scenarios.len() > 1 => {
+                singular += 1;
+                continue;
+            }
+            first => first.unwrap(),
+        };
         let swapped = exchange(&instance, first.clone()).unwrap();
         let settings = RelaxationSettings::default();
         let relaxation = relax(&instance, &swapped, &settings).unwrap();
@@ -227,7 +248,13 @@ fn no_selection_beats_the_bound_and_the_methods_are_in_order() {
         for relaxation in [&relaxation, &best.relaxation] {
             let bound = relaxation.certificate.log_bound;
             assert!(bound >= optimum, "seed {seed}: the bound {bound} is {:e} too low", optimum - bound);
-            assert!(relaxation.solved, "seed {seed}: gap {:e}", bound - relaxation.log_value);
+            let tolerance = if case.has_kinks_in_kinks() && !relaxation.solved {
+                unsolved += 1;
+                1e-3
+            } else {
+                assert!(relaxation.solved, "seed {seed}: gap {:e}", bound - relaxation.log_value);
+                tolerance
+            };
             assert!(bound - relaxation.log_value <= tolerance, "seed {seed}");
             assert!(relaxation.log_value >= optimum - tolerance, "seed {seed}");
             let total: f64 = relaxation.weights.iter().map(|(_, weight)| weight).sum();
@@ -237,6 +264,8 @@ fn no_selection_beats_the_bound_and_the_methods_are_in_order() {
         let efficiency = best.relaxation.certificate.efficiency(best.log_value);
         assert!(efficiency > 0.0 && efficiency <= 1.0, "seed {seed}: {efficiency}");
     }
+    // Of 60 cases, each solved twice.
+    assert!(unsolved <= 12 && singular <= 9, "{unsolved} {singular}");
 }
 
 /// Exchange ends where no swap gains, be the set that it starts from the worst.
@@ -544,7 +573,7 @@ fn any_semidefinite_matrix_proves_a_bound() {
         let nothing = Gradient::new(&zeros, vec![1.0; 3]);
         assert_eq!(Certificate::new(&instance, nothing, vec![]).unwrap().log_bound, f64::INFINITY);
         // No mixture is one of negative parts, or of none.
-        if seed % 7 == 4 {
+        if seed < ONE_SCENARIO && seed % 7 == 4 {
             let y: Vec<_> = instance.orders().map(|p| DMatrix::identity(p, p)).collect();
             for mixture in [vec![-0.2, 0.6, 0.6], vec![0.0; 3], vec![]] {
                 let gradient = Gradient::new(&y, mixture);
@@ -606,9 +635,9 @@ fn a_weight_is_that_of_its_factor_in_any_units() {
 fn the_bound_is_tight_where_there_is_no_choice() {
     for seed in 0..SEEDS {
         let case = Case::random(seed);
-        let terms = case.terms();
-        let n = terms[0].candidates.len();
-        let instance = Instance::constrained(&terms, n, Constraints::default()).unwrap();
+        let scenarios = case.scenarios();
+        let n = scenarios[0][0].candidates.len();
+        let instance = Instance::of_scenarios(&scenarios, n, Constraints::default()).unwrap();
         let best = best(&instance, &RelaxationSettings::default(), seed).unwrap();
         assert_eq!(best.selected, (0..n).collect::<Vec<_>>());
         let slack = best.relaxation.certificate.log_bound - value(&instance, &best.selected);

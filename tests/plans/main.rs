@@ -10,5 +10,6 @@ mod collision;
 mod desk;
 mod feasible_poses;
 mod noise;
+mod robust;
 mod sweep_table_iii;
 mod tampered_plans;

@@ -206,6 +206,19 @@ fn every_change_of_a_plan_with_bodies_and_stability_is_noticed() {
 }
 
 #[test]
+#[ignore = "slow: in the full set, `cargo test -- --ignored`"]
+fn every_change_of_a_robust_plan_is_noticed() {
+    let few = ("criterion = \"v\"\nmethod = \"best\"\ncount = 10", "criterion = \"v\"\ncount = 6");
+    for goal in ["mean", "worst"] {
+        let robust = format!(
+            "\n[robust]\ngoal = \"{goal}\"\nmount_rotation_deg = 2\njoint_zero_deg = 0.5\nscenarios = 2\ndraws = 20\nseen_share = 0.8\n"
+        );
+        let planned = Planned::new(problem("servosila-engineer", &[COARSE, few], &robust));
+        every_change_is_noticed(&planned, &["/robust/scenarios/1/map_error_px", "/certificate/terms/1/scenario"]);
+    }
+}
+
+#[test]
 fn every_change_of_a_proven_optimum_is_noticed() {
     let exact =
         ("criterion = \"v\"\nmethod = \"best\"\ncount = 10", "criterion = \"d\"\nmethod = \"exact\"\ncount = 6");

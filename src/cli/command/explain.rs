@@ -9,8 +9,9 @@ use crate::cli::number_of;
 use crate::cli::output::failure::Failure;
 use crate::cli::output::joint_table::{Heading, joint_table};
 use crate::cli::output::{Screen, fixed, short, table, wrapped};
+use crate::figures::grouped;
 use crate::plan::assess::{ExplainSettings, explain};
-use crate::plan::document::{CombinationTerm, Explanation, PoseExplanation};
+use crate::plan::document::{CombinationTerm, Explanation, PoseExplanation, RobustnessPrice, TrialDocument};
 use crate::problem::Problem;
 
 #[derive(Debug, Args)]
@@ -92,6 +93,17 @@ fn text(problem: &Problem, explanation: &Explanation) -> String {
         "The least known combination is {}, in units that each alone move the image by 1 px. {size}",
         words(&least.combination),
     )));
+    if let Some(price) = &explanation.robust {
+        sections.push(format!(
+            "{}\n\n{}",
+            wrapped(&format!(
+                "Where the set-up is not quite as stated, in {} set-ups drawn anew, beside the best plan of as many poses for the set-up \
+                 as stated:",
+                grouped(price.plan.set_ups)
+            )),
+            price_table(explanation.map_error_px, price)
+        ));
+    }
     sections.retain(|section| !section.is_empty());
     sections.join("\n\n")
 }
@@ -126,6 +138,21 @@ fn pose_table(poses: &[PoseExplanation]) -> String {
     };
     let rows: Vec<Vec<String>> = poses.iter().map(row).collect();
     table(&["pose", "loss [%]", "map error [px]", "most affected", "sigma", "without it"], &rows)
+}
+
+/// Map errors of a robust plan and of one that is not.
+fn price_table(map_error_px: Option<f64>, price: &RobustnessPrice) -> String {
+    let row = |name: &str, map_error: Option<f64>, trial: &TrialDocument| {
+        let TrialDocument { set_ups: _, seen, median_map_error_px, map_error_of_99_percent_px, worst_map_error_px } =
+            trial;
+        let least = seen.iter().copied().fold(1.0, f64::min);
+        let map_errors = [map_error, *median_map_error_px, *map_error_of_99_percent_px, *worst_map_error_px];
+        std::iter::once(name.into()).chain(map_errors.map(or_dash)).chain([percent(least)]).collect::<Vec<_>>()
+    };
+    let rows =
+        [row("this", map_error_px, &price.plan), row("best as stated", price.map_error_as_stated_px, &price.as_stated)];
+    let header = ["plan", "map error [px]", "in half of them", "in 99 %", "at worst", "pose is a view in [%]"];
+    table(&header, &rows)
 }
 
 fn spare_table(problem: &Problem, poses: &[PoseExplanation]) -> String {

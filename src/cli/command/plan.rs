@@ -19,7 +19,9 @@ use crate::cli::output::{Screen, grouped, short, table, wrapped};
 use crate::cli::{TableFormat, trials};
 use crate::plan::assess::{compare, verify};
 use crate::plan::choose::{Chooser, decide, refined_survey};
-use crate::plan::document::{Document, Plan, Run, RunSeconds, Verification, views_csv};
+use crate::plan::document::{
+    Document, Plan, RobustnessDocument, Run, RunSeconds, TrialDocument, Verification, WorstLoss, views_csv,
+};
 use crate::plan::results::{PLAN_FILE, RUN_FILE, add_results, owner, probe, write_results};
 use crate::plan::survey::Survey;
 use crate::problem::{Method, Problem};
@@ -279,14 +281,39 @@ fn summary(
         format!("A calibration without weights, such as OpenCV's: map error {map_error} px predicted.\n")
     });
     let unweighted = unweighted.unwrap_or_default();
+    let lost = plan.worst_loss.as_ref().map(|WorstLoss { id, map_error_px }| match map_error_px {
+        Some(map_error) => {
+            format!("If a picture is lost: map error {} px at worst, without pose {id}.\n", short(*map_error))
+        }
+        None => format!("No picture may be lost: without pose {id} an intrinsic is undetermined.\n"),
+    });
+    let lost = lost.unwrap_or_default();
+    let withstood = plan.robust.as_ref().map(withstood).unwrap_or_default();
     Ok(format!(
         "{}\n\n{}\n\n{}\n\n{}\n\n{}",
         wrapped(&outcome(plan)),
         pose_table(problem, &plan.poses),
         table(&["intrinsic", "nominal", "predicted sigma"], &rows),
-        wrapped(&format!("{tried}{unweighted}{compared}")),
+        wrapped(&format!("{tried}{unweighted}{lost}{withstood}{compared}")),
         wrapped(&found),
     ))
+}
+
+/// What becomes of the poses where the set-up is not quite as stated.
+fn withstood(robust: &RobustnessDocument) -> String {
+    let TrialDocument { set_ups, seen, median_map_error_px, map_error_of_99_percent_px, worst_map_error_px } =
+        &robust.trial;
+    let least = seen.iter().copied().fold(1.0, f64::min);
+    let or_none = |map_error: &Option<f64>| map_error.map_or("none".into(), |px| format!("{} px", short(px)));
+    format!(
+        "In {} other set-ups, drawn from what is stated of their deviations: each pose is a view in {} % or more; map error at most {} in \
+         half of them, {} in 99 %, {} at worst.\n",
+        grouped(*set_ups),
+        short(100.0 * least),
+        or_none(median_map_error_px),
+        or_none(map_error_of_99_percent_px),
+        or_none(worst_map_error_px),
+    )
 }
 
 /// What the configurations do that are views.

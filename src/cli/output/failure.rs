@@ -291,6 +291,9 @@ fn plan_help(error: &PlanError) -> String {
         PlanError::Survey(SurveyError::NoCandidates { diagnosis, .. } | SurveyError::NoViews { diagnosis, .. }) => {
             return diagnosis.to_string();
         }
+        PlanError::Survey(SurveyError::NothingCertain { .. }) => {
+            "state smaller deviations in [robust], lower robust.seen_share, or relax the limits of [visibility]"
+        }
         PlanError::Survey(SurveyError::PoseUndetermined { .. }) => "use a board with more corners",
         PlanError::TooFewViews { .. } => {
             "ask for fewer poses, sweep with a finer step, or relax the limits of [visibility]"

@@ -4,9 +4,10 @@ use rayon::prelude::*;
 
 use crate::plan::choose::{Choice, Chooser, PlanError};
 use crate::plan::document::{
-    CombinationTerm, CurvePoint, Document, Explanation, LeastKnown, PoseExplanation, ProblemReference, SparePose,
-    Suffering, finite, joints_deg,
+    CombinationTerm, CurvePoint, Document, Explanation, LeastKnown, PoseExplanation, ProblemReference, RobustnessPrice,
+    SparePose, Suffering, TrialDocument, finite, joints_deg,
 };
+use crate::plan::survey::{Survey, Trial, survey};
 use crate::problem::Problem;
 use crate::selection::packed::inverse;
 use crate::selection::{RelaxationSettings, SelectionError, Spare, improved_greedy, relax, spares};
@@ -47,6 +48,7 @@ pub fn explain(
         curve: curve(chooser, &plan, settings.most, observe)?,
         poses: poses(problem, chooser, &plan, settings.spares)?,
         least_known: least_known(problem, chooser, &plan),
+        robust: price(problem, chooser, &plan)?,
         joints: problem.robot.chain.joints.iter().map(|joint| joint.name.clone()).collect(),
     })
 }
@@ -154,6 +156,31 @@ fn poses(
     Ok(plan.selected.par_iter().zip(found).map(explain_pose).collect())
 }
 
+/// The best plan for the set-up as stated, of as many poses, and how both fare where it is not.
+fn price(problem: &Problem, chooser: &Chooser, plan: &Choice) -> Result<Option<RobustnessPrice>, PlanError> {
+    if problem.robust.is_none() {
+        return Ok(None);
+    }
+    let stated = Problem { robust: None, ..problem.clone() };
+    let survey = survey(&stated, &|_| {})?;
+    let (best, _) = Chooser::new(&stated, &survey)?.best(plan.selected.len(), problem.selection.seed)?;
+    let known = chooser.information(&[]);
+    let tried = |survey: &Survey, selected: &[usize]| {
+        let views: Vec<_> = selected.iter().map(|&i| survey.views[i].clone()).collect();
+        Trial::of(problem, &views, &known).map(TrialDocument::new)
+    };
+    let (Some(plan), Some(as_stated)) = (tried(chooser.survey(), &plan.selected), tried(&survey, &best.selected))
+    else {
+        return Ok(None);
+    };
+    Ok(Some(RobustnessPrice {
+        map_error_as_stated_px: finite(best.map_error),
+        ids: best.selected.iter().map(|&i| survey.views[i].id).collect(),
+        plan,
+        as_stated,
+    }))
+}
+
 /// The eigenvector of the covariance's greatest eigenvalue, with the intrinsics in their pixel units. It is found as that of
 /// the information's least, which exists for a singular plan too.
 fn least_known(problem: &Problem, chooser: &Chooser, plan: &Choice) -> LeastKnown {
@@ -197,7 +224,6 @@ mod tests {
     use crate::information::Criterion;
     use crate::plan::choose::decide;
     use crate::plan::document::Plan;
-    use crate::plan::survey::{Survey, survey};
     use crate::problem::{Accuracy, Goal, Method, Overrides};
 
     fn coarse() -> Problem {

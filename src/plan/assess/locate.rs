@@ -7,7 +7,7 @@ use crate::figures::grouped;
 use crate::plan::choose::{Chooser, PlanError};
 use crate::plan::document::{Plan, PlannedPose, joints_deg};
 use crate::plan::survey::Survey;
-use crate::problem::Problem;
+use crate::problem::{Problem, RobustGoal, Robustness};
 
 /// Why a plan does not fit the survey.
 #[derive(Debug, Error)]
@@ -111,7 +111,14 @@ impl Plan {
             return Err(LocateError::Criterion { stated: self.criterion.clone(), found: goal.to_string() });
         }
         let proven = self.certificate.terms.iter().map(|term| (term.criterion.as_str(), term.share));
-        if !proven.clone().eq(goal.terms()) {
+        // Of a mean over scenarios each has an equal part.
+        let (scenarios, parts) = match &problem.robust {
+            None => (1, 1),
+            Some(Robustness { scenarios, goal: RobustGoal::Mean, .. }) => (*scenarios, *scenarios),
+            Some(Robustness { scenarios, goal: RobustGoal::Worst, .. }) => (*scenarios, 1),
+        };
+        let terms = || goal.terms().into_iter().map(|(criterion, share)| (criterion, share / parts as f64));
+        if !proven.clone().eq((0..scenarios).flat_map(|_| terms())) {
             let stated =
                 proven.map(|(criterion, share)| format!("{share} {criterion}")).collect::<Vec<_>>().join(" + ");
             return Err(LocateError::Certificate { stated, found: goal.to_string() });

@@ -9,13 +9,12 @@ use argmin::core::{CostFunction, Executor};
 use argmin::solver::neldermead::NelderMead;
 use nalgebra::DVector;
 
-use crate::feasibility::{Checks, View};
-use crate::information::Measurement;
+use crate::feasibility::View;
 use crate::plan::choose::{Chooser, Objective, PlanError, allows};
 use crate::plan::document::{
-    Document, GridPlan, Intrinsics, PROVEN, Plan, PlannedPose, PolishedPlan, UnweightedAccuracy,
+    Document, GridPlan, Intrinsics, PROVEN, Plan, PlannedPose, PolishedPlan, RobustnessDocument, UnweightedAccuracy,
 };
-use crate::plan::survey::SurveyError;
+use crate::plan::survey::{Scene, SurveyError};
 use crate::problem::Problem;
 use crate::selection::{Constraints, Instance};
 use crate::sweep::JointSpace;
@@ -72,6 +71,7 @@ impl Polished {
             intrinsics: Intrinsics { sigma: self.sigma.clone(), ..plan.intrinsics.clone() },
             map_error_px: self.map_error,
             unweighted: UnweightedAccuracy::new(chooser, &self.views),
+            robust: RobustnessDocument::new(chooser, &self.views),
             cycles: self.cycles,
             converged: self.converged,
             proven: PROVEN.into(),
@@ -121,12 +121,10 @@ pub fn polish(
     chooser.require_observable(&grid)?;
     let objective = chooser.objective();
     let instance = chooser.instance(grid.selected.len())?;
-    let checks = problem.checks();
-    let setting = Setting { problem, objective, measurement: problem.measurement(), checks: &checks };
+    let setting = Setting { problem, objective, scenes: chooser.survey().scenes(problem) };
     let start = grid.selected.iter().map(|&i| chooser.survey().views[i].clone());
-    let board = &problem.target.board;
-    let undetermined = SurveyError::PoseUndetermined { columns: board.columns, rows: board.rows };
-    let mut current = Poses::new(&setting, start.collect()).ok_or_else(|| undetermined.clone())?;
+    let undetermined = || SurveyError::undetermined(problem);
+    let mut current = Poses::new(&setting, start.collect()).ok_or_else(undetermined)?;
     let mut best = current.clone();
     let mut best_value = grid.log_value;
     let fixed: Vec<bool> = grid.selected.iter().map(|i| instance.required().contains(i)).collect();
@@ -157,8 +155,7 @@ pub fn polish(
     let p = problem.estimated.len();
     let mut M = chooser.information(&[]);
     for view in &best.views {
-        let information =
-            setting.measurement.information(&view.X_CT, &view.seen).ok_or_else(|| undetermined.clone())?;
+        let information = setting.scenes[0].measurement.information(&view.X_CT, &view.seen).ok_or_else(undetermined)?;
         M += crate::selection::packed::unpack(&information, p);
     }
     let (sigma, map_error) = chooser.accuracy(&M);
@@ -178,21 +175,29 @@ pub fn polish(
 struct Setting<'a> {
     problem: &'a Problem,
     objective: &'a Objective<'a>,
-    measurement: Measurement<'a>,
-    checks: &'a Checks<'a>,
+    /// The set-up as stated, and the scenarios.
+    scenes: Vec<Scene<'a>>,
 }
 
 impl Setting<'_> {
-    /// The view from joint values, moved into the limits, and its matrices; `None` if it is no view or not allowed.
+    /// The view from joint values, moved into the limits, and its matrices; `None` if it is no view, in too many of the scenarios none,
+    /// or not allowed.
     fn look(&self, id: usize, q: &DVector<f64>, others: &[&View]) -> Option<(View, Vec<f64>)> {
         let joints = q.iter().zip(&self.problem.robot.chain.joints);
         let q = joints.map(|(q, joint)| q.clamp(joint.limits.min, joint.limits.max)).collect();
-        let view = self.checks.view(id, q).ok()?;
-        if !allows(self.problem, others, &view) {
+        let view = self.scenes[0].look(id, q)?;
+        if !allows(self.problem, others, &view) || !self.is_certain(&view) {
             return None;
         }
-        let information = self.objective.information(&self.measurement, &view)?;
+        let information = self.objective.information(&self.scenes, &view)?;
         Some((view, information))
+    }
+
+    /// Whether it is a view in as many of the scenarios as swept ones must be of all draws.
+    fn is_certain(&self, view: &View) -> bool {
+        let Some(robust) = &self.problem.robust else { return true };
+        let seen = self.scenes.iter().filter(|scene| scene.view(view).is_some()).count();
+        seen as f64 >= robust.seen_share * self.scenes.len() as f64 - 1e-9
     }
 
     /// First steps of the simplex along the joints.
@@ -216,7 +221,7 @@ struct Poses {
 
 impl Poses {
     fn new(setting: &Setting, views: Vec<View>) -> Option<Self> {
-        let information = views.iter().map(|view| setting.objective.information(&setting.measurement, view));
+        let information = views.iter().map(|view| setting.objective.information(&setting.scenes, view));
         let information = information.collect::<Option<_>>()?;
         Some(Self { views, information })
     }
@@ -415,13 +420,8 @@ mod tests {
             .chain([Chooser::new(&problem, &survey).unwrap()]);
         for chooser in choosers {
             let grid = chooser.choose(Method::Greedy, 8, 0).unwrap();
-            let checks = problem.checks();
-            let setting = Setting {
-                problem: &problem,
-                objective: chooser.objective(),
-                measurement: problem.measurement(),
-                checks: &checks,
-            };
+            let setting =
+                Setting { problem: &problem, objective: chooser.objective(), scenes: survey.scenes(&problem) };
             let poses = Poses::new(&setting, grid.selected.iter().map(|&i| survey.views[i].clone()).collect()).unwrap();
             let instance = chooser.instance(8).unwrap();
             assert_eq!(poses.total(&instance), instance.total(&grid.selected), "{}", chooser.criterion());

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use nalgebra::DMatrix;
 
 use super::choice::{Choice, Reached};
-use super::constraints::{Captured, captured, constraints, known, stated};
+use super::constraints::{Captured, Known, constraints, stated};
 use super::error::PlanError;
 use super::objective::Objective;
 use super::{kmeans, random};
@@ -27,9 +27,8 @@ pub struct Chooser<'a> {
     constraints: Constraints,
     settings: RelaxationSettings,
     map_error: InformationFunction,
-    /// p×p information already at hand.
-    prior: DMatrix<f64>,
-    captured: Vec<Captured>,
+    /// What is known already, in the set-up as stated and in each scenario.
+    known: Vec<Known>,
 }
 
 impl<'a> Chooser<'a> {
@@ -38,21 +37,22 @@ impl<'a> Chooser<'a> {
     /// # Errors
     /// When the constraints cannot be held, or a view does not give what a criterion needs.
     pub fn new(problem: &'a Problem, survey: &'a Survey) -> Result<Self, PlanError> {
-        let captured = captured(problem)?;
-        let known = known(problem, &captured)?;
+        let mut known = vec![Known::as_stated(problem)?];
+        for scenario in &survey.scenarios {
+            known.push(Known::as_drawn(&scenario.problem)?);
+        }
         let objective = match &problem.selection.goal {
-            Goal::Best { criteria, .. } => Objective::new(problem, survey, criteria, &known, &captured)?,
+            Goal::Best { criteria, .. } => Objective::new(problem, survey, criteria, &known)?,
             Goal::Fewest { accuracies } => Objective::of_accuracies(problem, survey, accuracies, &known),
         };
-        Self::with(problem, survey, objective, known, captured)
+        Self::with(problem, survey, objective, known)
     }
 
     fn with(
         problem: &'a Problem,
         survey: &'a Survey,
         objective: Objective<'a>,
-        prior: DMatrix<f64>,
-        captured: Vec<Captured>,
+        known: Vec<Known>,
     ) -> Result<Self, PlanError> {
         Ok(Self {
             problem,
@@ -61,8 +61,7 @@ impl<'a> Chooser<'a> {
             constraints: constraints(problem, survey)?,
             settings: RelaxationSettings { tolerance: problem.selection.tolerance, ..RelaxationSettings::default() },
             map_error: InformationFunction::variance(&survey.map_weight),
-            prior,
-            captured,
+            known,
         })
     }
 
@@ -71,7 +70,7 @@ impl<'a> Chooser<'a> {
     /// # Errors
     /// As [`Chooser::new`].
     pub fn by(&self, criteria: &[(Criterion, f64)]) -> Result<Self, PlanError> {
-        self.by_criteria_knowing(criteria, self.prior.clone())
+        self.by_criteria_knowing(criteria, self.known.clone())
     }
 
     /// The same chooser when the p×p information `prior` on the intrinsics is known too: that of the views taken, say.
@@ -90,12 +89,16 @@ impl<'a> Chooser<'a> {
         for (_, share) in &mut criteria {
             *share /= sum;
         }
-        self.by_criteria_knowing(&criteria, &self.prior + prior)
+        let mut known = self.known.clone();
+        for known in &mut known {
+            known.information += prior;
+        }
+        self.by_criteria_knowing(&criteria, known)
     }
 
-    fn by_criteria_knowing(&self, criteria: &[(Criterion, f64)], prior: DMatrix<f64>) -> Result<Self, PlanError> {
-        let objective = Objective::new(self.problem, self.survey, criteria, &prior, &self.captured)?;
-        Self::with(self.problem, self.survey, objective, prior, self.captured.clone())
+    fn by_criteria_knowing(&self, criteria: &[(Criterion, f64)], known: Vec<Known>) -> Result<Self, PlanError> {
+        let objective = Objective::new(self.problem, self.survey, criteria, &known)?;
+        Self::with(self.problem, self.survey, objective, known)
     }
 
     /// What it optimises: `v`, or `0.8 v + 0.2 diversity`, or `accuracy`.
@@ -264,8 +267,9 @@ impl<'a> Chooser<'a> {
 
     /// Information of a choice on the intrinsics, the prior included, p×p.
     pub fn information(&self, selected: &[usize]) -> DMatrix<f64> {
-        let p = self.prior.nrows();
-        &self.prior + unpack(&self.survey.information.total(&vec![0.0; packed_len(p)], selected), p)
+        let prior = &self.known[0].information;
+        let p = prior.nrows();
+        prior + unpack(&self.survey.information.total(&vec![0.0; packed_len(p)], selected), p)
     }
 
     /// Each chosen pose's share of the information at hand: `⟨∇log Φ(M), M_i⟩`; with the prior's, the shares add up to one.
@@ -287,6 +291,11 @@ impl<'a> Chooser<'a> {
         Choice { log_value: self.objective.log_value(&selected), map_error, sigma, selected }
     }
 
+    /// p×p information on the intrinsics that is known already, in the set-up as stated and in each scenario.
+    pub(crate) fn known(&self) -> impl Iterator<Item = &DMatrix<f64>> {
+        self.known.iter().map(|known| &known.information)
+    }
+
     /// Standard deviations and map error by the p×p information M on the intrinsics, as in a [`Choice`].
     pub(crate) fn accuracy(&self, M: &DMatrix<f64>) -> (Vec<f64>, f64) {
         let sigma = match inverse(M) {
@@ -305,7 +314,7 @@ impl<'a> Chooser<'a> {
         }
         let measurement = problem.measurement();
         let mut estimate = Unweighted::new(&stated(problem));
-        let taken = self.captured.iter().map(|Captured { X_CT, seen }| (X_CT, seen));
+        let taken = self.known[0].captured.iter().map(|Captured { X_CT, seen }| (X_CT, seen));
         let chosen = views.into_iter().map(|view| (&view.X_CT, &view.seen));
         for (X_CT, seen) in taken.chain(chosen) {
             estimate.add(&measurement, X_CT, seen)?;

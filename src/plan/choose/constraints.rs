@@ -130,26 +130,59 @@ pub(crate) struct Captured {
     pub(crate) seen: Corners,
 }
 
-/// The views taken already.
-///
-/// # Errors
-/// When one does not see the board.
-pub(crate) fn captured(problem: &Problem) -> Result<Vec<Captured>, ConstraintError> {
-    let corners: Vec<_> = problem.target.board.corners().collect();
-    let view = |(view, q): (usize, &Vec<f64>)| {
-        let X_CT = problem.robot.camera_pose(q).inverse() * problem.target.X_BT;
-        let camera = &problem.camera;
+/// What is known before the first pose is chosen.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Known {
+    /// The views taken already.
+    pub(crate) captured: Vec<Captured>,
+    /// The p×p information on the intrinsics, of these views and of the standard deviations stated.
+    pub(crate) information: DMatrix<f64>,
+}
+
+impl Known {
+    /// In the set-up as stated.
+    ///
+    /// # Errors
+    /// When a view taken does not see enough of the board.
+    pub(crate) fn as_stated(problem: &Problem) -> Result<Self, ConstraintError> {
+        let views = problem.constraints.captured.iter().enumerate();
+        let unseen = |view| ConstraintError::CapturedUnseen { view: view + 1 };
+        let captured: Result<Vec<_>, _> =
+            views.map(|(view, q)| Captured::new(problem, q).ok_or_else(|| unseen(view))).collect();
+        Self::new(problem, captured?)
+    }
+
+    /// In a set-up that may be, in which a view taken may not see the board; it says nothing then.
+    pub(crate) fn as_drawn(problem: &Problem) -> Result<Self, ConstraintError> {
+        Self::new(problem, problem.constraints.captured.iter().filter_map(|q| Captured::new(problem, q)).collect())
+    }
+
+    fn new(problem: &Problem, captured: Vec<Captured>) -> Result<Self, ConstraintError> {
+        let measurement = problem.measurement();
+        let mut information = stated(problem);
+        let p = information.nrows();
+        for (view, Captured { X_CT, seen }) in captured.iter().enumerate() {
+            let told = measurement.information(X_CT, seen);
+            information += unpack(&told.ok_or(ConstraintError::CapturedUnseen { view: view + 1 })?, p);
+        }
+        Ok(Self { captured, information })
+    }
+}
+
+impl Captured {
+    /// What is seen at joint values `q`; `None` if that is not enough of the board.
+    fn new(problem: &Problem, q: &[f64]) -> Option<Self> {
+        let Problem { robot, camera, target, visibility, .. } = problem;
+        let X_CT = robot.camera_pose(q).inverse() * target.X_BT;
+        let corners: Vec<_> = target.board.corners().collect();
         let in_image =
             |corner: &Point3<f64>| camera.project(&(X_CT * corner)).is_some_and(|pixel| camera.contains(&pixel, 0.0));
         let printed_side = (X_CT.rotation * Vector3::z()).dot(&X_CT.translation.vector) < 0.0;
         let seen: Vec<usize> = (0..corners.len()).filter(|&i| in_image(&corners[i])).collect();
-        if !printed_side || seen.len() < problem.visibility.min_corners.unwrap_or(corners.len()) {
-            return Err(ConstraintError::CapturedUnseen { view: view + 1 });
-        }
+        let enough = printed_side && seen.len() >= visibility.min_corners.unwrap_or(corners.len());
         let seen = if seen.len() == corners.len() { Corners::All } else { Corners::Some(seen) };
-        Ok(Captured { X_CT, seen })
-    };
-    problem.constraints.captured.iter().enumerate().map(view).collect()
+        enough.then_some(Self { X_CT, seen })
+    }
 }
 
 /// The p×p information on the intrinsics of the standard deviations stated.
@@ -160,20 +193,4 @@ pub(crate) fn stated(problem: &Problem) -> DMatrix<f64> {
         known[(j, j)] += sigma.powi(-2);
     }
     known
-}
-
-/// The p×p information on the intrinsics that is known before the first pose is chosen: of the views taken already, and the
-/// standard deviations stated.
-///
-/// # Errors
-/// When a view taken does not see enough of the board.
-pub(crate) fn known(problem: &Problem, captured: &[Captured]) -> Result<DMatrix<f64>, ConstraintError> {
-    let measurement = problem.measurement();
-    let mut known = stated(problem);
-    for (view, Captured { X_CT, seen }) in captured.iter().enumerate() {
-        let information = measurement.information(X_CT, seen);
-        let p = known.nrows();
-        known += unpack(&information.ok_or(ConstraintError::CapturedUnseen { view: view + 1 })?, p);
-    }
-    Ok(known)
 }

@@ -3,28 +3,34 @@
 use std::borrow::Cow;
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
-use super::constraints::Captured;
+use super::constraints::Known;
 use crate::feasibility::View;
 use crate::information::{Criterion, DiversityModel, Measurement, ZHANG_DIRECTIONS};
-use crate::plan::survey::{Survey, SurveyError};
-use crate::problem::{Accuracy, Goal, Problem};
+use crate::plan::survey::{Scenario, Scene, Survey, SurveyError};
+use crate::problem::{Accuracy, Goal, Problem, RobustGoal};
 use crate::selection::InformationSet;
 use crate::selection::packed::{pack, packed_len, unpack};
 use crate::selection::{Constraints, InformationFunction, Instance, SelectionError, Term};
-use crate::spatial::Pose;
-use crate::target::Corners;
 
-/// Criteria, each with its share, on the views of a survey.
+/// Criteria, each with its share, on the views of a survey, in every scenario that the plan must withstand.
 #[derive(Debug, Clone)]
 pub(crate) struct Objective<'a> {
+    /// Scenario after scenario.
     terms: Vec<ObjectiveTerm<'a>>,
+    /// What counts of the scenarios.
+    goal: RobustGoal,
+    scenarios: usize,
 }
 
 #[derive(Debug, Clone)]
 struct ObjectiveTerm<'a> {
+    /// The scenario; 0 for the set-up as stated.
+    scenario: usize,
     /// None for accuracies.
     criterion: Option<Criterion>,
+    /// Among the scenario's.
     share: f64,
     candidates: Cow<'a, InformationSet>,
     prior: Option<DMatrix<f64>>,
@@ -67,51 +73,106 @@ impl Source {
     }
 }
 
+/// A set-up, stated or drawn, with what a survey found for it.
+struct SetUp<'a> {
+    scenario: usize,
+    problem: &'a Problem,
+    /// The views of the set-up as stated.
+    views: &'a [View],
+    information: &'a InformationSet,
+    map_weight: &'a DMatrix<f64>,
+}
+
+impl<'a> SetUp<'a> {
+    /// The set-up as stated, and the scenarios.
+    fn all(problem: &'a Problem, survey: &'a Survey) -> impl Iterator<Item = Self> {
+        let Survey { views, information, map_weight, scenarios, .. } = survey;
+        let stated = Self { scenario: 0, problem, views, information, map_weight };
+        let drawn = scenarios.iter().zip(1..).map(|(Scenario { problem, information, map_weight }, scenario)| Self {
+            scenario,
+            problem,
+            views,
+            information,
+            map_weight,
+        });
+        std::iter::once(stated).chain(drawn)
+    }
+
+    /// The views as they are here; none where they are no views.
+    fn seen(&self) -> Vec<Option<View>> {
+        if self.scenario == 0 {
+            return self.views.iter().cloned().map(Some).collect();
+        }
+        let scene = Scene::new(self.problem);
+        self.views.par_iter().map(|view| scene.view(view)).collect()
+    }
+}
+
 impl<'a> Objective<'a> {
-    /// The weighted geometric mean of `criteria`, shares beside them; `prior` is the p×p information on the intrinsics that
-    /// is known already, that of the views `captured` included. These count in criteria that are not of the intrinsics too.
+    /// The weighted geometric mean of `criteria`, shares beside them, in every scenario; `known` is what is known in each of them. It
+    /// counts in criteria that are not of the intrinsics too.
     ///
     /// # Errors
     /// When a view's corners do not fix what a criterion needs.
     pub(crate) fn new(
-        problem: &Problem,
+        problem: &'a Problem,
         survey: &'a Survey,
         criteria: &[(Criterion, f64)],
-        prior: &DMatrix<f64>,
-        captured: &[Captured],
+        known: &[Known],
     ) -> Result<Self, SurveyError> {
-        let terms: Result<Vec<_>, _> = criteria
-            .iter()
-            .map(|&(criterion, share)| ObjectiveTerm::new(problem, survey, criterion, share, prior, captured))
-            .collect();
-        Ok(Self { terms: terms? })
+        let mut terms = Vec::with_capacity(criteria.len() * known.len());
+        for (set_up, known) in SetUp::all(problem, survey).zip(known) {
+            for &(criterion, share) in criteria {
+                terms.push(ObjectiveTerm::new(&set_up, criterion, share, known)?);
+            }
+        }
+        Ok(Self { terms, ..Self::none(problem, survey) })
     }
 
     /// The worst of the accuracies requested, as a share: Φ ≥ 1 when all are reached.
     pub(crate) fn of_accuracies(
-        problem: &Problem,
+        problem: &'a Problem,
         survey: &'a Survey,
         accuracies: &[(Accuracy, f64)],
-        prior: &DMatrix<f64>,
+        known: &[Known],
     ) -> Self {
-        let weights = accuracy_weights(survey, accuracies);
-        let term = ObjectiveTerm {
+        let term = |(set_up, known): (SetUp<'a>, &Known)| ObjectiveTerm {
+            scenario: set_up.scenario,
             criterion: None,
             share: 1.0,
-            candidates: Cow::Borrowed(&survey.information),
-            prior: Some(prior.clone()),
-            function: InformationFunction::worst_variance(&weights),
+            candidates: Cow::Borrowed(set_up.information),
+            prior: Some(known.information.clone()),
+            function: InformationFunction::worst_variance(&accuracy_weights(set_up.map_weight, accuracies)),
             parameters: owned(&problem.unknowns().names()),
             source: Source::Intrinsics,
         };
-        Self { terms: vec![term] }
+        Self { terms: SetUp::all(problem, survey).zip(known).map(term).collect(), ..Self::none(problem, survey) }
+    }
+
+    /// Without terms.
+    fn none(problem: &Problem, survey: &Survey) -> Self {
+        let goal = problem.robust.as_ref().map_or(RobustGoal::Mean, |robust| robust.goal);
+        Self { terms: vec![], goal, scenarios: 1 + survey.scenarios.len() }
     }
 
     /// The matrices of a view, swept or not, term after term as in an instance's totals; `None` if its corners do not fix what
-    /// a criterion needs.
-    pub(crate) fn information(&self, measurement: &Measurement, view: &View) -> Option<Vec<f64>> {
-        let terms = self.terms.iter().map(|term| term.source.information(measurement, view));
-        Some(terms.collect::<Option<Vec<_>>>()?.concat())
+    /// a criterion needs. `scenes` are the set-ups, the stated one first, in which the view is one.
+    pub(crate) fn information(&self, scenes: &[Scene], view: &View) -> Option<Vec<f64>> {
+        let mut information = Vec::new();
+        let mut seen = Some(Cow::Borrowed(view));
+        let mut scenario = 0;
+        for term in &self.terms {
+            let scene = &scenes[term.scenario];
+            if term.scenario != scenario {
+                scenario = term.scenario;
+                seen = scene.view(view).map(Cow::Owned);
+            }
+            match &seen {
+                Some(view) => information.extend(term.source.information(&scene.measurement, view)?),
+                None => information.extend(std::iter::repeat_n(0.0, packed_len(term.candidates.order()))),
+            }
+        }
+        Some(information)
     }
 
     /// The same objective on other views, given by their [`Objective::information`].
@@ -131,7 +192,7 @@ impl<'a> Objective<'a> {
                 ..*term
             }
         });
-        Objective { terms: terms.collect() }
+        Objective { terms: terms.collect(), ..*self }
     }
 
     /// The problem of choosing `count` views.
@@ -139,17 +200,17 @@ impl<'a> Objective<'a> {
     /// # Errors
     /// As [`Instance::constrained`].
     pub(crate) fn instance(&self, count: usize, constraints: Constraints) -> Result<Instance<'_>, SelectionError> {
-        let terms: Vec<Term<'_>> = self
-            .terms
-            .iter()
-            .map(|term| Term {
+        let mut scenarios: Vec<Vec<Term<'_>>> = Vec::with_capacity(self.scenarios);
+        for terms in self.apart() {
+            let terms = terms.iter().map(|term| Term {
                 candidates: &term.candidates,
                 prior: term.prior.as_ref(),
                 function: &term.function,
-                share: term.share,
-            })
-            .collect();
-        Instance::constrained(&terms, count, constraints)
+                share: self.weight(term),
+            });
+            scenarios.push(terms.collect());
+        }
+        Instance::of_scenarios(&scenarios, count, constraints)
     }
 
     /// log Φ of the views `selected`, whatever the constraints; −∞ if they leave a combination undetermined.
@@ -157,9 +218,24 @@ impl<'a> Objective<'a> {
         let log_value = |term: &ObjectiveTerm| {
             let p = term.candidates.order();
             let prior = term.prior.as_ref().map_or_else(|| vec![0.0; packed_len(p)], pack);
-            term.share * term.function.log_value(&mut term.candidates.total(&prior, selected), p)
+            self.weight(term) * term.function.log_value(&mut term.candidates.total(&prior, selected), p)
         };
-        self.terms.iter().map(log_value).sum()
+        let of_those = |terms: &[ObjectiveTerm]| terms.iter().map(log_value).sum();
+        self.apart().map(of_those).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The terms of which the least counts, or all of them.
+    fn apart(&self) -> impl Iterator<Item = &[ObjectiveTerm<'a>]> {
+        let together = self.goal == RobustGoal::Mean;
+        self.terms.chunk_by(move |a, b| together || a.scenario == b.scenario)
+    }
+
+    /// A term's share of all that it stands together with.
+    fn weight(&self, term: &ObjectiveTerm) -> f64 {
+        match self.goal {
+            RobustGoal::Mean => term.share / self.scenarios as f64,
+            RobustGoal::Worst => term.share,
+        }
     }
 
     /// Names of the parameters of a term.
@@ -167,15 +243,21 @@ impl<'a> Objective<'a> {
         &self.terms[term].parameters
     }
 
-    /// The criteria, their shares and their orders p, term by term.
-    pub(crate) fn criteria(&self) -> impl Iterator<Item = (Option<Criterion>, f64, usize)> {
-        self.terms.iter().map(|term| (term.criterion, term.share, term.parameters.len()))
+    /// Number of set-ups that count, the stated one among them.
+    pub(crate) fn scenarios(&self) -> usize {
+        self.scenarios
+    }
+
+    /// Term by term the scenario, the criterion, its share and its order p.
+    pub(crate) fn criteria(&self) -> impl Iterator<Item = (usize, Option<Criterion>, f64, usize)> {
+        self.terms.iter().map(|term| (term.scenario, term.criterion, self.weight(term), term.parameters.len()))
     }
 
     /// log Φ in the unit of a lone criterion: log det for `d` and `diversity`, a variance in px² for `a` and `v`, an
     /// eigenvalue for `e` and `zhang`; of several criteria, Φ itself.
     pub(crate) fn natural(&self, log_value: f64) -> f64 {
-        match self.terms.as_slice() {
+        let lone = self.terms.chunk_by(|a, b| a.criterion == b.criterion).map(|terms| &terms[0]).collect::<Vec<_>>();
+        match lone.as_slice() {
             [term] => match term.criterion {
                 Some(Criterion::D | Criterion::Diversity) => log_value * term.parameters.len() as f64,
                 Some(Criterion::A | Criterion::V) => (-log_value).exp(),
@@ -189,25 +271,21 @@ impl<'a> Objective<'a> {
 impl std::fmt::Display for Objective<'_> {
     /// `v`, or `0.8 v + 0.2 diversity`, or `accuracy`.
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        let terms = self.terms.iter().take_while(|term| term.scenario == 0);
         let criteria: Option<Vec<_>> =
-            self.terms.iter().map(|term| term.criterion.map(|criterion| (criterion, term.share))).collect();
+            terms.map(|term| term.criterion.map(|criterion| (criterion, term.share))).collect();
         f.write_str(&criteria.map_or_else(|| Goal::ACCURACY.into(), |criteria| Criterion::describe(&criteria)))
     }
 }
 
 impl<'a> ObjectiveTerm<'a> {
-    fn new(
-        problem: &Problem,
-        survey: &'a Survey,
-        criterion: Criterion,
-        share: f64,
-        prior: &DMatrix<f64>,
-        captured: &[Captured],
-    ) -> Result<Self, SurveyError> {
+    fn new(set_up: &SetUp<'a>, criterion: Criterion, share: f64, known: &Known) -> Result<Self, SurveyError> {
+        let SetUp { scenario, problem, information, map_weight, .. } = *set_up;
+        let Known { captured, information: prior } = known;
         let names = owned(&problem.unknowns().names());
-        let borrowed = Cow::Borrowed(&survey.information);
-        let poses = || survey.views.iter().map(|view| view.X_CT).collect::<Vec<_>>();
+        let borrowed = Cow::Borrowed(information);
         let term = |candidates, prior, function, parameters, source| Self {
+            scenario,
             criterion: Some(criterion),
             share,
             candidates,
@@ -220,7 +298,7 @@ impl<'a> ObjectiveTerm<'a> {
         Ok(match criterion {
             Criterion::D => term(borrowed, Some(prior.clone()), InformationFunction::Determinant, names, intrinsics),
             Criterion::V => {
-                let function = InformationFunction::variance(&survey.map_weight);
+                let function = InformationFunction::variance(map_weight);
                 term(borrowed, Some(prior.clone()), function, names, intrinsics)
             }
             Criterion::A => {
@@ -230,34 +308,48 @@ impl<'a> ObjectiveTerm<'a> {
             Criterion::E => {
                 let units = problem.unknowns().pixel_units();
                 let D = DMatrix::from_diagonal(&units.clone().into());
-                let candidates = Cow::Owned(survey.information.scaled(&units));
+                let candidates = Cow::Owned(information.scaled(&units));
                 let prior = &D * prior * &D;
                 term(candidates, Some(prior), InformationFunction::min_eigenvalue(), names, Source::Scaled(units))
             }
             Criterion::Zhang => {
+                let directions = owned(&ZHANG_DIRECTIONS);
+                let candidates = Source::Zhang.set(set_up, directions.len())?;
                 let measurement = problem.measurement();
-                let undetermined = SurveyError::PoseUndetermined {
-                    columns: problem.target.board.columns,
-                    rows: problem.target.board.rows,
-                };
-                let set = |views: Vec<(&Pose, &Corners)>| measurement.zhang_set(views).ok_or(undetermined.clone());
-                let candidates = set(survey.views.iter().map(|view| (&view.X_CT, &view.seen)).collect())?;
-                let known = set(captured.iter().map(|view| (&view.X_CT, &view.seen)).collect())?;
+                let known =
+                    measurement.zhang_set(captured.iter().map(|view| (&view.X_CT, &view.seen)).collect::<Vec<_>>());
+                let known = known.ok_or_else(|| SurveyError::undetermined(problem))?;
                 let prior = unpack(&known.sum(), candidates.order());
                 let function = InformationFunction::min_eigenvalue();
-                term(Cow::Owned(candidates), Some(prior), function, owned(&ZHANG_DIRECTIONS), Source::Zhang)
+                term(Cow::Owned(candidates), Some(prior), function, directions, Source::Zhang)
             }
             Criterion::Diversity => {
-                let poses = poses();
-                let model = DiversityModel::new(&poses);
-                let (candidates, monomials) = (model.information_set(&poses), model.monomials());
+                // The features mean the same in every scenario.
+                let model = DiversityModel::new(&set_up.views.iter().map(|view| view.X_CT).collect::<Vec<_>>());
+                let monomials = model.monomials();
+                let source = Source::Diversity(model.clone());
+                let candidates = source.set(set_up, monomials.len())?;
                 let known = model.information_set(&captured.iter().map(|view| view.X_CT).collect::<Vec<_>>());
                 let prior = unpack(&candidates.mean(), monomials.len()) * DiversityModel::PRIOR
                     + unpack(&known.sum(), monomials.len());
                 let function = InformationFunction::Determinant;
-                term(Cow::Owned(candidates), Some(prior), function, monomials, Source::Diversity(model))
+                term(Cow::Owned(candidates), Some(prior), function, monomials, source)
             }
         })
+    }
+}
+
+impl Source {
+    /// The matrices of order p of all views in a set-up; zero where they are none.
+    fn set(&self, set_up: &SetUp, p: usize) -> Result<InformationSet, SurveyError> {
+        let measurement = set_up.problem.measurement();
+        let information = set_up.seen().into_par_iter().map(|view| match view {
+            Some(view) => self.information(&measurement, &view),
+            None => Some(vec![0.0; packed_len(p)]),
+        });
+        let information = information.collect::<Option<Vec<_>>>();
+        let information = information.ok_or_else(|| SurveyError::undetermined(set_up.problem))?;
+        Ok(InformationSet::from_packed_trusted(p, information.concat()))
     }
 }
 
@@ -268,8 +360,8 @@ fn pixel_weight(problem: &Problem) -> DMatrix<f64> {
 }
 
 /// The weights of the accuracies' variances, each as a share of the variance requested.
-fn accuracy_weights(survey: &Survey, accuracies: &[(Accuracy, f64)]) -> Vec<DMatrix<f64>> {
-    accuracies.iter().map(|&(accuracy, requested)| accuracy.weight(survey) / (requested * requested)).collect()
+fn accuracy_weights(map_weight: &DMatrix<f64>, accuracies: &[(Accuracy, f64)]) -> Vec<DMatrix<f64>> {
+    accuracies.iter().map(|&(accuracy, requested)| accuracy.weight(map_weight) / (requested * requested)).collect()
 }
 
 fn owned(names: &[&str]) -> Vec<String> {
@@ -278,12 +370,11 @@ fn owned(names: &[&str]) -> Vec<String> {
 
 impl Accuracy {
     /// The p×p weight C of the accuracy's variance `tr(C cov θ)`.
-    fn weight(self, survey: &Survey) -> DMatrix<f64> {
-        let p = survey.information.order();
+    fn weight(self, map_weight: &DMatrix<f64>) -> DMatrix<f64> {
         match self {
-            Accuracy::MapError => survey.map_weight.clone(),
+            Accuracy::MapError => map_weight.clone(),
             Accuracy::Intrinsic(j) => {
-                let mut weight = DMatrix::zeros(p, p);
+                let mut weight = map_weight * 0.0;
                 weight[(j, j)] = 1.0;
                 weight
             }

@@ -17,7 +17,8 @@ pub use answers::{
     ComparisonRow, CornerResidual, CurvePoint, EstimatedIntrinsics, Explanation, FailedTrial, FigureFile,
     FiguresDocument, LeastKnown, MapErrorCheck, MapErrorOverImage, MeasuredNoise, MeasuredRow, NextDocument,
     NoiseDocument, NotChecked, OutlierDocument, ParameterCheck, PictureFile, PictureSize, PicturesDocument,
-    PoseExplanation, RequestedAccuracy, ResidualLengths, SimulatedMapError, SparePose, Suffering, Verification,
+    PoseExplanation, RequestedAccuracy, ResidualLengths, RobustnessPrice, SimulatedMapError, SparePose, Suffering,
+    Verification,
 };
 pub use design::{
     DesignCheckDocument, DesignDocument, DesignMap, DesignProof, FreeValue, Sensitivity, SensitivityPoint, SetUp,
@@ -29,8 +30,9 @@ pub use kind::Kind;
 pub(crate) use plan::poses_csv;
 pub use plan::{
     AccuracyDocument, CertificateDocument, CertificateTerm, CollisionDocument, FewestDocument, GridPlan, Intrinsics,
-    PROVEN, Plan, PlanReadError, PlannedPose, PolishedPlan, Pose, Price, Run, RunProblem, RunSeconds, SearchDocument,
-    SurveyCounts, UnweightedAccuracy, joints_deg,
+    PROVEN, Plan, PlanReadError, PlannedPose, PolishedPlan, Pose, Price, RobustnessDocument, Run, RunProblem,
+    RunSeconds, ScenarioDocument, SearchDocument, SeenView, SurveyCounts, TrialDocument, UnweightedAccuracy, WorstLoss,
+    joints_deg,
 };
 pub use problem::{
     BoardDocument, CameraSights, CheckDocument, ClosePair, DiagnosisDocument, InitDocument, LensDocument, NoteDocument,

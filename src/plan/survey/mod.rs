@@ -3,23 +3,29 @@
 mod contacts;
 mod diagnosis;
 mod refine;
+mod scenarios;
 mod smell;
+mod trial;
 
 pub use contacts::Contact;
 pub use diagnosis::{Diagnosis, Miss, Obstacle, diagnose};
 pub(crate) use refine::{join, spacings};
+pub use scenarios::Scenario;
+pub(crate) use scenarios::Scene;
 pub use smell::Smell;
+pub use trial::Trial;
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use thiserror::Error;
 
-use crate::feasibility::{LinkPairs, Rejection, View, feasible_views};
+use crate::feasibility::{Checks, LinkPairs, Rejection, View, feasible_views};
 use crate::figures::grouped;
-use crate::problem::Problem;
+use crate::problem::{Problem, Robustness};
 use crate::selection::InformationSet;
 use crate::sweep::{Sweep, sweep};
 use contacts::contacts;
+use scenarios::certain;
 
 /// The views of a problem and what each would teach.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,6 +44,8 @@ pub struct Survey {
     pub information: InformationSet,
     /// The p×p weight of the map error.
     pub map_weight: DMatrix<f64>,
+    /// The scenarios that the plan must withstand, beside the set-up as stated.
+    pub scenarios: Vec<Scenario>,
 }
 
 /// Why a problem has no views to choose from.
@@ -63,6 +71,19 @@ pub enum SurveyError {
         /// What stands in the way.
         diagnosis: Box<Diagnosis>,
     },
+    /// No view of the set-up as stated is one often enough in those that may be.
+    #[error(
+        "none of the {} views of the set-up as stated is a view in {} % of {} set-ups drawn from `robust`",
+        grouped(*views), 100.0 * seen_share, grouped(*draws)
+    )]
+    NothingCertain {
+        /// Views of the set-up as stated.
+        views: usize,
+        /// Share of the set-ups drawn in which one must be a view.
+        seen_share: f64,
+        /// Set-ups drawn.
+        draws: usize,
+    },
     /// A view's pose is not determined by its own corners.
     #[error("the board's {columns} x {rows} corners do not determine its pose in the image")]
     PoseUndetermined {
@@ -71,6 +92,14 @@ pub enum SurveyError {
         /// Corners along y.
         rows: usize,
     },
+}
+
+impl SurveyError {
+    /// Of a view in which the board's pose is not determined.
+    pub(crate) fn undetermined(problem: &Problem) -> Self {
+        let board = &problem.target.board;
+        Self::PoseUndetermined { columns: board.columns, rows: board.rows }
+    }
 }
 
 fn describe_rejections(rejected: &[usize]) -> String {
@@ -106,7 +135,7 @@ pub(crate) fn quick_survey(problem: &Problem) -> Option<Survey> {
     let Problem { robot, target, space, .. } = problem;
     let sweep = sweep(robot, target, space, problem.axis, &|_| {});
     let checks = problem.checks();
-    let (views, rejected) = feasible_views(&checks, space, &sweep.candidates);
+    let (views, rejected) = certain_views(problem, &checks, &sweep.candidates);
     if views.is_empty() {
         return None;
     }
@@ -128,7 +157,13 @@ pub(crate) fn candidates(problem: &Problem, observe: &(dyn Fn(usize) + Sync)) ->
 pub(crate) fn feasible(problem: &Problem, sweep: &Sweep) -> Result<Feasible, SurveyError> {
     let space = &problem.space;
     let checks = problem.checks();
-    let (views, rejected) = feasible_views(&checks, space, &sweep.candidates);
+    let (views, rejected) = certain_views(problem, &checks, &sweep.candidates);
+    if let (true, Some(Robustness { seen_share, draws, .. })) = (views.is_empty(), &problem.robust)
+        && rejected[Rejection::Uncertain as usize] > 0
+    {
+        let views = rejected[Rejection::Uncertain as usize];
+        return Err(SurveyError::NothingCertain { views, seen_share: *seen_share, draws: *draws });
+    }
     if views.is_empty() {
         let contacts = contacts(problem, &checks, space, &sweep.candidates);
         let diagnosis = Box::new(diagnose(problem));
@@ -137,6 +172,20 @@ pub(crate) fn feasible(problem: &Problem, sweep: &Sweep) -> Result<Feasible, Sur
     }
     let links = checks.collision().links().clone();
     Ok(Feasible { views, rejected, links })
+}
+
+/// The candidates that are views, in as many of the set-ups that may be as the problem demands, and how many were rejected for each
+/// reason.
+pub(crate) fn certain_views(
+    problem: &Problem,
+    checks: &Checks,
+    candidates: &[usize],
+) -> (Vec<View>, [usize; Rejection::ALL.len()]) {
+    let (views, mut rejected) = feasible_views(checks, &problem.space, candidates);
+    let seen_as_stated = views.len();
+    let views = certain(problem, views);
+    rejected[Rejection::Uncertain as usize] = seen_as_stated - views.len();
+    (views, rejected)
 }
 
 /// The third stage: what the views would teach, which depends on the noise and on what is estimated too.
@@ -151,16 +200,24 @@ impl Survey {
         self.views.binary_search_by_key(&id, |view| view.id).ok()
     }
 
+    /// The set-up as stated, and the scenarios, ready to look at views.
+    pub(crate) fn scenes<'a>(&'a self, problem: &'a Problem) -> Vec<Scene<'a>> {
+        std::iter::once(problem)
+            .chain(self.scenarios.iter().map(|scenario| &scenario.problem))
+            .map(Scene::new)
+            .collect()
+    }
+
     /// The survey of these views alone, wherever they come from.
     ///
     /// # Errors
     /// When a view's pose is not determined by its own corners.
     pub(crate) fn of(problem: &Problem, views: Vec<View>) -> Result<Self, SurveyError> {
-        let board = &problem.target.board;
         let information = problem
             .measurement()
             .information_set(views.par_iter().map(|view| (&view.X_CT, &view.seen)))
-            .ok_or(SurveyError::PoseUndetermined { columns: board.columns, rows: board.rows })?;
+            .ok_or_else(|| SurveyError::undetermined(problem))?;
+        let scenarios = Scenario::all(problem, &views)?;
         Ok(Self {
             sweep: Sweep { swept: views.len(), inside: 0, edge: 0, candidates: Vec::new() },
             views,
@@ -169,6 +226,7 @@ impl Survey {
             refined: 0,
             information,
             map_weight: problem.unknowns().map_error_weight(),
+            scenarios,
         })
     }
 }

@@ -1,5 +1,6 @@
 //! More candidates where they count: around poses that were picked.
 
+use super::scenarios::certain;
 use super::{Survey, SurveyError};
 use crate::feasibility::View;
 use crate::problem::Problem;
@@ -48,13 +49,12 @@ pub(crate) fn join(
         (problem.axis == AxisRule::Any || view.axis_case(&problem.target) != AxisCase::Outside).then_some(view)
     };
     let views: Vec<View> = (0..tried).into_par_iter().with_min_len(64).filter_map(view).collect();
-    let board = &problem.target.board;
-    let information = problem
-        .measurement()
-        .information_set(views.par_iter().map(|view| (&view.X_CT, &view.seen)))
-        .ok_or(SurveyError::PoseUndetermined { columns: board.columns, rows: board.rows })?;
-    survey.information.append(&information);
-    survey.views.extend(views);
+    let found = Survey::of(problem, certain(problem, views))?;
+    survey.information.append(&found.information);
+    for (scenario, found) in survey.scenarios.iter_mut().zip(&found.scenarios) {
+        scenario.information.append(&found.information);
+    }
+    survey.views.extend(found.views);
     survey.refined += tried;
     Ok(())
 }

@@ -81,6 +81,8 @@ pub enum Reason {
     Empty,
     /// The robot has neither joints nor a file that describes it.
     NoArm,
+    /// A plan is to withstand deviations, and none is stated.
+    NothingUncertain,
     /// An entry occurs twice.
     Duplicate {
         /// The entry.
@@ -234,6 +236,7 @@ impl Reason {
             Reason::Length { found, .. } => format!("`{key}` has {found} entries"),
             Reason::Empty => format!("`{key}` is empty"),
             Reason::NoArm => format!("`{key}` is missing or empty, and `robot.urdf` is not given either"),
+            Reason::NothingUncertain => format!("`{key}` states no standard deviation"),
             Reason::Duplicate { name } => format!("`{key}` is \"{name}\", which is used already"),
             Reason::Taken { name } => format!("`{key}` is \"{name}\", which is the name of a link"),
             Reason::NotApplicable { to, .. } => format!("`{key}` does not apply to {to}"),
@@ -294,6 +297,7 @@ impl Reason {
             Reason::Length { expected, per, .. } => format!("must have {expected}, one for each {per}"),
             Reason::Empty => "must not be empty".into(),
             Reason::NoArm => "give one of the two".into(),
+            Reason::NothingUncertain => "nothing is uncertain here".into(),
             Reason::Duplicate { .. } => "must occur only once".into(),
             Reason::Taken { .. } => "must be a different name".into(),
             Reason::NotApplicable { .. } => "does not apply here".into(),
@@ -343,6 +347,9 @@ impl Reason {
             }
             Reason::NoArm => {
                 "write the arm's Denavit–Hartenberg table as `[[robot.joints]]`, or name its URDF file with `urdf`".into()
+            }
+            Reason::NothingUncertain => {
+                "state how far what was measured may be off, as in `mount_translation_mm = 3` and `mount_rotation_deg = 1`".into()
             }
             Reason::RobotFile { path, error: FileReadError::Robot(error) } if !error.is_of_another_file() => {
                 format!("correct line {} of {}", error.line, path.display())

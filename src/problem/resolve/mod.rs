@@ -6,6 +6,7 @@ mod constraints;
 mod estimate;
 mod noise;
 mod robot;
+mod robust;
 mod selection;
 mod sweep;
 mod target;
@@ -49,7 +50,10 @@ pub(super) fn resolve(document: &Document, file: &schema::File, path: &Path) -> 
     let names: Vec<&str> =
         lens.map(|lens| estimated.iter().map(|&i| lens.parameter_names()[i]).collect()).unwrap_or_default();
     let prior_sigma = check.prior_sigma(&estimate, camera.as_ref(), &estimated, &names, noise.sigma);
+    let lens_names = lens.map(|lens| lens.parameter_names()).unwrap_or_default();
+    let robust = key!(file, robust).given();
     let selection = check.selection(&key!(file, selection), &names);
+    let robust = robust.map(|robust| check.robust(&robust, lens_names, &selection.goal));
     let joints = robot.as_ref().map(|robot| robot.chain.joints.as_slice()).unwrap_or_default();
     let constraints = check.constraints(&key!(file, constraints), joints);
     check.unconstrained_method(selection.goal.method(), &key!(file, constraints), &constraints);
@@ -80,6 +84,7 @@ pub(super) fn resolve(document: &Document, file: &schema::File, path: &Path) -> 
             noise,
             estimated,
             prior_sigma,
+            robust,
             selection,
             constraints,
             output,

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::bodies::{Collision, Scene, Stability};
 use super::camera::Camera;
 use super::robot::Robot;
+use super::robust::Robust;
 use super::selection::{Constraints, Selection};
 use super::sweep::Sweep;
 use super::target::Target;
@@ -44,6 +45,8 @@ pub(crate) struct File {
     /// What the calibration estimates.
     #[serde(default)]
     pub(crate) estimate: Estimate,
+    /// What the plan must withstand; nothing when left out.
+    pub(crate) robust: Option<Robust>,
     /// Which poses to choose, and how.
     #[serde(default)]
     pub(crate) selection: Selection,

@@ -65,6 +65,9 @@ fn head<'a>(documents: &PlanDocuments<'a>) -> Head<'a> {
                 @if let Some(unweighted) = &plan.unweighted {
                     dd { (short(unweighted.map_error_px)) " px if calibrated without weights, as by OpenCV" }
                 }
+                @if let Some(trial) = plan.robust.as_ref().map(|robust| &robust.trial) && let Some(most) = trial.map_error_of_99_percent_px {
+                    dd { (short(most)) " px or less in 99 % of " (grouped(trial.set_ups)) " other set-ups" }
+                }
             }
         },
         figure("Certified efficiency", format!("{:.3}", plan.efficiency), ""),

@@ -17,6 +17,7 @@ mod curvature;
 mod soft_minimum;
 
 pub(crate) use curvature::Curvature;
+pub(crate) use soft_minimum::LogSoftMinimum;
 
 use nalgebra::DMatrix;
 

@@ -78,6 +78,47 @@ impl SoftMinimum {
     }
 }
 
+/// The soft minimum of numbers known by their logarithms, which may be far from 0.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct LogSoftMinimum {
+    /// Of the numbers as shares of the least.
+    soft: SoftMinimum,
+    /// Logarithm of the least.
+    least: f64,
+    /// The numbers as shares of the least.
+    shares: Vec<f64>,
+    /// The derivatives of log φ by the logarithms, which add up to one.
+    pub(crate) slopes: Vec<f64>,
+}
+
+impl LogSoftMinimum {
+    /// The soft minimum of the numbers with these logarithms, all finite, at `0 < softness < 1`.
+    pub(crate) fn new(logarithms: &[f64], softness: f64) -> Self {
+        let least = logarithms.iter().copied().fold(f64::INFINITY, f64::min);
+        // What is so much greater does not matter, and must not overflow.
+        let shares: Vec<f64> = logarithms.iter().map(|logarithm| (logarithm - least).min(MOST_APART).exp()).collect();
+        let soft = SoftMinimum::new(&shares, softness);
+        let slopes = soft.slopes.iter().zip(&shares).map(|(slope, share)| slope * share).collect();
+        Self { soft, least, shares, slopes }
+    }
+
+    /// log φ.
+    pub(crate) fn log_value(&self) -> f64 {
+        self.least + self.soft.log_value
+    }
+
+    /// As [`SoftMinimum::second_derivative`], for changes of the logarithms of linear functions.
+    pub(crate) fn second_derivative(&self, d: &mut [f64]) {
+        for (d, share) in d.iter_mut().zip(&self.shares) {
+            *d *= share;
+        }
+        self.soft.second_derivative(d);
+    }
+}
+
+/// Logarithms are taken to be no further apart than this.
+const MOST_APART: f64 = 300.0;
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,9 +2,11 @@
 
 mod constraints;
 mod packing;
+mod value;
 
 pub use constraints::{Cap, Constraints, Separation};
 pub(super) use packing::{EFFORT, packing};
+pub(super) use value::InstanceCurvature;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -13,7 +15,7 @@ use nalgebra::DMatrix;
 
 use super::InformationSet;
 use super::error::SelectionError;
-use super::function::{Curvature, Gradient, InformationFunction};
+use super::function::{Gradient, InformationFunction};
 use super::packed::{RESOLUTION, cholesky, dual, packed_len, unpack, whiten};
 use constraints::Rules;
 
@@ -22,9 +24,17 @@ use constraints::Rules;
 /// The objective has one term or several: `log Φ = Σ λ_t log Φ_t(M_t)`, the weighted geometric mean of information functions
 /// of different matrices of the same candidates, which is an information function of all the blocks `M_t` together. With
 /// `Y = (λ_t Y_t)` its polar function is `Φ°(Y) = Π (Φ°_t(Y_t))^λ_t`.
+///
+/// There may be several scenarios, each with terms of its own; then Φ is the least of theirs, `min_s Φ_s`, and its polar
+/// function the sum of theirs: `⟨Y, M⟩ ≥ Σ_s Φ_s(M) Φ°_s(Y_s) ≥ Φ(M) Σ_s Φ°_s(Y_s)`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Instance<'a> {
+    /// Of all scenarios, one after the other.
     blocks: Vec<Block<'a>>,
+    /// The blocks of each scenario.
+    scenarios: Vec<Range<usize>>,
+    /// Of the least over the scenarios; 0 for the least itself.
+    softness: f64,
     count: usize,
     rules: Arc<Rules>,
 }
@@ -38,7 +48,7 @@ pub struct Term<'a> {
     pub prior: Option<&'a DMatrix<f64>>,
     /// What is great of it.
     pub function: &'a InformationFunction,
-    /// Share λ of the objective; the shares add up to one.
+    /// Share λ of its scenario's objective; the shares add up to one.
     pub share: f64,
 }
 
@@ -92,19 +102,49 @@ impl<'a> Instance<'a> {
     /// no information matrix, a weight is zero or not finite, the constraints contradict each other, or all candidates
     /// together leave a combination of the parameters undetermined.
     pub fn constrained(terms: &[Term<'a>], count: usize, constraints: Constraints) -> Result<Self, SelectionError> {
-        let candidates: Vec<usize> = terms.iter().map(|term| term.candidates.len()).collect();
-        let shares: f64 = terms.iter().map(|term| term.share).sum();
+        Self::of_scenarios(&[terms.to_vec()], count, constraints)
+    }
+
+    /// An instance of the terms of several scenarios, of which the least counts.
+    ///
+    /// ```
+    /// use calipose::selection::{Constraints, InformationFunction, InformationSet, Instance, Term};
+    /// use nalgebra::DMatrix;
+    ///
+    /// // Three views of one parameter, which tell 4, 1 and 2 in one scenario and nothing, 1 and 2 in another.
+    /// let views = |told: [f64; 3]| InformationSet::from_matrices(1, &told.map(|m| DMatrix::from_element(1, 1, m)));
+    /// let scenarios = [views([4.0, 1.0, 2.0])?, views([0.0, 1.0, 2.0])?];
+    /// let function = InformationFunction::Determinant;
+    /// let terms = scenarios.each_ref().map(|candidates| vec![Term { candidates, prior: None, function: &function, share: 1.0 }]);
+    /// let instance = Instance::of_scenarios(&terms, 2, Constraints::default())?;
+    /// assert!((instance.log_value(&[0, 2])?.exp() - 2.0).abs() < 1e-12);
+    /// assert!((instance.log_value(&[1, 2])?.exp() - 3.0).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Instance::constrained`].
+    pub fn of_scenarios(
+        scenarios: &[Vec<Term<'a>>],
+        count: usize,
+        constraints: Constraints,
+    ) -> Result<Self, SelectionError> {
+        let terms = || scenarios.iter().flatten();
+        let candidates: Vec<usize> = terms().map(|term| term.candidates.len()).collect();
         let n = candidates.first().copied().unwrap_or(0);
-        let positive = terms.iter().all(|term| term.share > 0.0);
-        if candidates.iter().any(|&other| other != n) || !positive || (shares - 1.0).abs() > 1e-9 {
+        let positive = terms().all(|term| term.share > 0.0);
+        let sum = |terms: &Vec<Term>| terms.iter().map(|term| term.share).sum::<f64>();
+        let odd = scenarios.iter().map(sum).find(|shares| (shares - 1.0).abs() > 1e-9);
+        if candidates.iter().any(|&other| other != n) || !positive || odd.is_some() || scenarios.is_empty() {
+            let shares = odd.or(scenarios.first().map(sum)).unwrap_or(0.0);
             return Err(SelectionError::Terms { candidates, shares });
         }
         if count == 0 || count > n {
             return Err(SelectionError::Count { count, candidates: n });
         }
-        let mut blocks = Vec::with_capacity(terms.len());
+        let mut blocks = Vec::with_capacity(candidates.len());
         let mut start = 0;
-        for term in terms {
+        for term in terms() {
             let end = start + packed_len(term.candidates.order());
             blocks.push(Block {
                 candidates: term.candidates,
@@ -115,8 +155,14 @@ impl<'a> Instance<'a> {
             });
             start = end;
         }
+        let mut first = 0;
+        let places = scenarios.iter().map(|terms| {
+            let place = first..first + terms.len();
+            first = place.end;
+            place
+        });
         let rules = Arc::new(Rules::new(constraints, n, count)?);
-        let instance = Self { blocks, count, rules };
+        let instance = Self { blocks, scenarios: places.collect(), softness: 0.0, count, rules };
         let everything = instance.everything();
         if instance.log_value_at(&everything) == f64::NEG_INFINITY {
             return Err(instance.least_known(&everything, n));
@@ -124,13 +170,14 @@ impl<'a> Instance<'a> {
         Ok(instance)
     }
 
-    /// The same problem with every function [softened](InformationFunction::softened).
+    /// The same problem with every function [softened](InformationFunction::softened), and the least over the scenarios too.
     #[must_use]
     pub fn softened(&self, softness: f64) -> Self {
         let mut softened = self.clone();
         for block in &mut softened.blocks {
             block.function = block.function.softened(softness);
         }
+        softened.softness = softness;
         softened
     }
 
@@ -147,7 +194,7 @@ impl<'a> Instance<'a> {
 
     /// Whether log Φ has derivatives wherever it is finite.
     pub fn is_smooth(&self) -> bool {
-        self.blocks.iter().all(|block| block.function.is_smooth())
+        (self.scenarios.len() == 1 || self.softness > 0.0) && self.blocks.iter().all(|block| block.function.is_smooth())
     }
 
     /// The same problem for another number of candidates.
@@ -252,62 +299,6 @@ impl<'a> Instance<'a> {
     pub fn gradient(&self, selected: &[usize]) -> Result<Gradient, SelectionError> {
         self.check(selected)?;
         self.gradient_at(&self.total(selected)).ok_or_else(|| self.unobservable(selected))
-    }
-
-    /// log Φ of a total; −∞ if it is singular to working precision.
-    pub(crate) fn log_value_at(&self, total: &[f64]) -> f64 {
-        self.log_value_in_place(&mut total.to_vec())
-    }
-
-    /// As [`Instance::log_value_at`]; the total serves as work space.
-    pub(crate) fn log_value_in_place(&self, total: &mut [f64]) -> f64 {
-        let log_values = self
-            .blocks
-            .iter()
-            .map(|block| block.share * block.function.log_value(&mut total[block.place.clone()], block.order()));
-        log_values.sum()
-    }
-
-    /// The gradient of log Φ at a total, term after term; `None` if it is singular.
-    pub(crate) fn gradient_at(&self, total: &[f64]) -> Option<Gradient> {
-        let mut gradient = Gradient { y: Vec::with_capacity(total.len()), mixture: vec![] };
-        for block in &self.blocks {
-            let Gradient { y, mixture } = block.function.gradient(&total[block.place.clone()], block.order())?;
-            gradient.y.extend(y.iter().map(|y| block.share * y));
-            gradient.mixture.extend(mixture);
-        }
-        Some(gradient)
-    }
-
-    /// `log Φ°(Y)` of the terms' matrices Y ⪰ 0; −∞ where it bounds nothing.
-    pub(crate) fn log_polar(&self, gradient: &Gradient) -> f64 {
-        let mut mixture = gradient.mixture.as_slice();
-        let mut sum = 0.0;
-        for block in &self.blocks {
-            let used = match &block.function {
-                InformationFunction::WorstVariance { factors, .. } => factors.len().min(mixture.len()),
-                _ => 0,
-            };
-            let (own, rest) = mixture.split_at(used);
-            mixture = rest;
-            let log_polar = block.function.log_polar(&gradient.y[block.place.clone()], block.order(), own);
-            sum += block.share * (log_polar - block.share.ln());
-        }
-        sum
-    }
-
-    /// The second derivative of log Φ at a total; `None` if it is singular or Φ is not smooth.
-    pub(crate) fn curvature(&self, total: &[f64]) -> Option<Vec<Curvature>> {
-        self.blocks.iter().map(|block| block.function.curvature(&total[block.place.clone()], block.order())).collect()
-    }
-
-    /// The image of `M_i` under the root of the second derivative.
-    pub(crate) fn curve(&self, curvature: &[Curvature], i: usize) -> Vec<f64> {
-        let images = self.blocks.iter().zip(curvature).map(|(block, curvature)| {
-            let image = curvature.map(block.candidates.packed(i));
-            image.into_iter().map(|x| block.share.sqrt() * x).collect::<Vec<_>>()
-        });
-        images.flatten().collect()
     }
 
     /// Scores `⟨Y, M_i⟩` of all candidates.

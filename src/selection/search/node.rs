@@ -6,8 +6,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::selection::function::{Curvature, Gradient};
-use crate::selection::instance::Instance;
+use crate::selection::function::Gradient;
+use crate::selection::instance::{Instance, InstanceCurvature};
 use crate::selection::packed::dot;
 use crate::selection::relaxation::greatest;
 
@@ -190,7 +190,7 @@ impl Face<'_> {
     }
 
     /// The step that maximises the quadratic model over the free weights within their bounds: an active-set method.
-    fn direction(&self, free: &[usize], scores: &[f64], curvature: &[Curvature]) -> Vec<f64> {
+    fn direction(&self, free: &[usize], scores: &[f64], curvature: &InstanceCurvature) -> Vec<f64> {
         let f = free.len();
         let images: Vec<DVector<f64>> =
             free.iter().map(|&c| DVector::from_vec(self.instance.curve(curvature, self.open[c]))).collect();

@@ -5,7 +5,9 @@
 //!
 //! ```text
 //! value     log Φ(M) = Σ_t λ_t log Φ_t(M_t),  M_t = M_t0 + Σ M_ti over the poses, λ_t the criteria's shares
+//!           of several scenarios the least of theirs, or, as every λ_t is a share of all of them, their mean
 //! polar     Φ°(Y) = inf ⟨Y, M⟩ / Φ(M) over M ≻ 0;  of several criteria log Φ°(Y) = Σ_t λ_t (log Φ_t°(Y_t) − log λ_t)
+//!           of the least of several scenarios Φ°(Y) = Σ of theirs
 //! scores    s_i = Σ_t ⟨Y_t, M_ti⟩, less the prices of the groups that i is in
 //! bound     S = Σ_t ⟨Y_t, M_t0⟩ + the scores of the required + the greatest others, k in all + Σ_c price_c · most_c
 //!           and log Φ(M) ≤ log S − log Φ°(Y) for every allowed set of k, because ⟨Y, M⟩ ≤ S and Φ(M) Φ°(Y) ≤ ⟨Y, M⟩
@@ -20,16 +22,19 @@
 //! Sources: Pukelsheim, *Optimal Design of Experiments* (1993), chapters 5 and 7 (information functions and polarity); the
 //! book's page "The method" has the proofs.
 
+use std::borrow::Cow;
+
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 use rayon::prelude::*;
 
+use super::compare::alike;
 use super::error::CertifyError;
 use super::rules::{Group, Rules};
 use crate::feasibility::View;
 use crate::information::{Criterion, DiversityModel, Measurement, NoiseModel, Unweighted};
 use crate::plan::document::{CertificateDocument, CertificateTerm, Price};
-use crate::plan::survey::Survey;
-use crate::problem::{Accuracy, Goal, Problem};
+use crate::plan::survey::{Scenario, Scene, Survey};
+use crate::problem::{Accuracy, Goal, Problem, RobustGoal};
 use crate::spatial::Pose;
 use crate::target::Corners;
 
@@ -57,19 +62,32 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// What a problem's poses and certificates are judged by.
 pub(super) struct Evidence<'a> {
     problem: &'a Problem,
-    survey: &'a Survey,
-    measurement: Measurement<'a>,
-    /// p×p information on the intrinsics before the first pose.
-    known: DMatrix<f64>,
-    /// The same for a calibration that weighs nothing, where that is not the same.
+    /// The set-up as stated, and the scenarios.
+    set_ups: Vec<SetUp<'a>>,
+    /// What is known for a calibration that weighs nothing, where that is not the same.
     unweighted: Option<Unweighted>,
+    /// Scenario after scenario.
     terms: Vec<Term>,
     pub(super) rules: Rules,
 }
 
+/// A set-up, stated or drawn.
+struct SetUp<'a> {
+    problem: &'a Problem,
+    measurement: Measurement<'a>,
+    /// The views of the set-up as stated, as they are here; none where they are no views.
+    views: Vec<Option<Cow<'a, View>>>,
+    /// `X_CT` and the corners seen of the views taken already.
+    captured: Vec<(Pose, Corners)>,
+    /// p×p information on the intrinsics before the first pose.
+    known: DMatrix<f64>,
+}
+
 /// One term of what is optimised.
 struct Term {
+    scenario: usize,
     name: &'static str,
+    /// Of all that it stands together with.
     share: f64,
     source: Source,
     /// M₀.
@@ -97,66 +115,111 @@ enum Function {
     WorstVariance(Vec<DMatrix<f64>>),
 }
 
+impl<'a> SetUp<'a> {
+    fn new(
+        problem: &'a Problem,
+        views: Vec<Option<Cow<'a, View>>>,
+        captured: Vec<(Pose, Corners)>,
+    ) -> Result<Self, CertifyError> {
+        let measurement = problem.measurement();
+        let mut known = stated(problem);
+        let p = known.nrows();
+        for (X_CT, seen) in &captured {
+            known += matrix(measurement.information(X_CT, seen), p)?;
+        }
+        Ok(Self { problem, measurement, views, captured, known })
+    }
+
+    /// The set-up as stated, in which all views and those taken already must show the board, and the scenarios, in which some may not.
+    fn all(problem: &'a Problem, survey: &'a Survey) -> Result<Vec<Self>, CertifyError> {
+        let as_stated = survey.views.iter().map(|view| Some(Cow::Borrowed(view))).collect();
+        let taken = captured(problem).enumerate();
+        let taken = taken.map(|(view, seen)| seen.ok_or(CertifyError::CapturedUnseen { view: view + 1 }));
+        let mut set_ups = vec![Self::new(problem, as_stated, taken.collect::<Result<_, _>>()?)?];
+        for Scenario { problem, .. } in &survey.scenarios {
+            let scene = Scene::new(problem);
+            let views = survey.views.par_iter().map(|view| scene.view(view).map(Cow::Owned)).collect();
+            set_ups.push(Self::new(problem, views, captured(problem).flatten().collect())?);
+        }
+        Ok(set_ups)
+    }
+}
+
 impl<'a> Evidence<'a> {
     /// For a plan of what the problem asks for.
     pub(super) fn new(problem: &'a Problem, survey: &'a Survey) -> Result<Self, CertifyError> {
-        let measurement = problem.measurement();
-        let captured = captured(problem)?;
-        let mut known = DMatrix::zeros(problem.unknowns().len(), problem.unknowns().len());
-        for &(j, sigma) in &problem.prior_sigma {
-            known[(j, j)] += sigma.powi(-2);
-        }
-        let weighs = problem.noise.model != NoiseModel::Constant;
-        let mut unweighted = weighs.then(|| Unweighted::new(&known));
-        for (X_CT, seen) in &captured {
-            known += matrix(measurement.information(X_CT, seen), known.nrows())?;
-            if let Some(unweighted) = &mut unweighted {
-                unweighted.add(&measurement, X_CT, seen).ok_or(CertifyError::Undetermined)?;
+        let set_ups = SetUp::all(problem, survey)?;
+        let mut unweighted = None;
+        if problem.noise.model != NoiseModel::Constant {
+            let SetUp { measurement, captured, .. } = &set_ups[0];
+            let mut known = Unweighted::new(&stated(problem));
+            for (X_CT, seen) in captured {
+                known.add(measurement, X_CT, seen).ok_or(CertifyError::Undetermined)?;
             }
+            unweighted = Some(known);
         }
         let rules = Rules::new(problem, survey);
-        let mut evidence = Self { problem, survey, measurement, known, unweighted, terms: Vec::new(), rules };
-        evidence.terms = match &problem.selection.goal {
-            Goal::Best { criteria, .. } => criteria
-                .iter()
-                .map(|&(criterion, share)| evidence.term(criterion, share, &captured))
-                .collect::<Result<_, _>>()?,
-            Goal::Fewest { accuracies } => vec![evidence.accuracy_term(accuracies)],
-        };
+        let mut evidence = Self { problem, set_ups, unweighted, terms: Vec::new(), rules };
+        // Of the mean every scenario has an equal part.
+        let part = if evidence.is_worst() { 1.0 } else { evidence.set_ups.len() as f64 };
+        for scenario in 0..evidence.set_ups.len() {
+            match &problem.selection.goal {
+                Goal::Best { criteria, .. } => {
+                    for &(criterion, share) in criteria {
+                        let term = evidence.term(scenario, criterion, share / part)?;
+                        evidence.terms.push(term);
+                    }
+                }
+                Goal::Fewest { accuracies } => evidence.terms.push(evidence.accuracy_term(scenario, accuracies)),
+            }
+        }
         Ok(evidence)
     }
 
+    /// p×p information on the intrinsics before the first pose.
+    pub(super) fn known(&self) -> &DMatrix<f64> {
+        &self.set_ups[0].known
+    }
+
+    /// Whether the least of the scenarios counts.
+    fn is_worst(&self) -> bool {
+        self.problem.robust.as_ref().is_some_and(|robust| robust.goal == RobustGoal::Worst)
+    }
+
+    /// The terms of which the least counts, or all of them.
+    fn apart(&self) -> impl Iterator<Item = &[Term]> {
+        let together = !self.is_worst();
+        self.terms.chunk_by(move |a, b| together || a.scenario == b.scenario)
+    }
+
     /// The term of a criterion: its definition.
-    fn term(&self, criterion: Criterion, share: f64, captured: &[(Pose, Corners)]) -> Result<Term, CertifyError> {
-        let unknowns = self.problem.unknowns();
+    fn term(&self, scenario: usize, criterion: Criterion, share: f64) -> Result<Term, CertifyError> {
+        let SetUp { problem, measurement, views, captured, known } = &self.set_ups[scenario];
+        let unknowns = problem.unknowns();
         let units = || DVector::from_vec(unknowns.pixel_units());
-        let known = || self.known.clone();
         let (source, known, function) = match criterion {
-            Criterion::D => (Source::Intrinsics, known(), Function::Determinant),
+            Criterion::D => (Source::Intrinsics, known.clone(), Function::Determinant),
             Criterion::A => {
                 let weight = DMatrix::from_diagonal(&units().map(|unit| unit.powi(-2)));
-                (Source::Intrinsics, known(), Function::Variance(weight))
+                (Source::Intrinsics, known.clone(), Function::Variance(weight))
             }
-            Criterion::V => (Source::Intrinsics, known(), Function::Variance(unknowns.map_error_weight())),
-            Criterion::E => {
-                let known = in_units(&self.known, &units());
-                (Source::InUnits(units()), known, Function::LeastEigenvalue)
-            }
+            Criterion::V => (Source::Intrinsics, known.clone(), Function::Variance(unknowns.map_error_weight())),
+            Criterion::E => (Source::InUnits(units()), in_units(known, &units()), Function::LeastEigenvalue),
             Criterion::Zhang => {
                 let mut known = DMatrix::zeros(5, 5);
                 for (X_CT, seen) in captured {
-                    known += matrix(self.measurement.zhang_information(X_CT, seen), 5)?;
+                    known += matrix(measurement.zhang_information(X_CT, seen), 5)?;
                 }
                 (Source::Zhang, known, Function::LeastEigenvalue)
             }
             Criterion::Diversity => {
-                let views: Vec<Pose> = self.survey.views.iter().map(|view| view.X_CT).collect();
-                let model = DiversityModel::new(&views);
+                let stated: Vec<Pose> = self.set_ups[0].views.iter().flatten().map(|view| view.X_CT).collect();
+                let model = DiversityModel::new(&stated);
                 let p = model.monomials().len();
                 let of_view = |X_CT| matrix(Some(model.information(X_CT)), p);
                 let mut known = DMatrix::zeros(p, p);
-                for X_CT in &views {
-                    known += of_view(X_CT)? * (DiversityModel::PRIOR / views.len() as f64);
+                for view in views.iter().flatten() {
+                    known += of_view(&view.X_CT)? * (DiversityModel::PRIOR / views.len() as f64);
                 }
                 for (X_CT, _) in captured {
                     known += of_view(X_CT)?;
@@ -164,31 +227,34 @@ impl<'a> Evidence<'a> {
                 (Source::Diversity(model), known, Function::Determinant)
             }
         };
-        Ok(Term { name: criterion.name(), share, source, known, function })
+        Ok(Term { scenario, name: criterion.name(), share, source, known, function })
     }
 
     /// The worst of the accuracies, each variance as a share of what is requested.
-    fn accuracy_term(&self, accuracies: &[(Accuracy, f64)]) -> Term {
-        let p = self.known.nrows();
+    fn accuracy_term(&self, scenario: usize, accuracies: &[(Accuracy, f64)]) -> Term {
+        let SetUp { problem, known, .. } = &self.set_ups[scenario];
+        let p = known.nrows();
         let weight = |&(accuracy, requested): &(Accuracy, f64)| {
             let weight = match accuracy {
-                Accuracy::MapError => self.problem.unknowns().map_error_weight(),
+                Accuracy::MapError => problem.unknowns().map_error_weight(),
                 Accuracy::Intrinsic(j) => DMatrix::from_fn(p, p, |r, c| if r == j && c == j { 1.0 } else { 0.0 }),
             };
             weight / (requested * requested)
         };
         let function = Function::WorstVariance(accuracies.iter().map(weight).collect());
-        Term { name: Goal::ACCURACY, share: 1.0, source: Source::Intrinsics, known: self.known.clone(), function }
+        Term { scenario, name: Goal::ACCURACY, share: 1.0, source: Source::Intrinsics, known: known.clone(), function }
     }
 
     /// A term's matrix of a view.
     fn matrix(&self, term: &Term, view: usize) -> Result<DMatrix<f64>, CertifyError> {
-        let View { X_CT, seen, .. } = &self.survey.views[view];
+        let SetUp { measurement, views, .. } = &self.set_ups[term.scenario];
         let p = term.known.nrows();
+        let Some(view) = &views[view] else { return Ok(DMatrix::zeros(p, p)) };
+        let View { X_CT, seen, .. } = view.as_ref();
         match &term.source {
-            Source::Intrinsics => matrix(self.measurement.information(X_CT, seen), p),
-            Source::InUnits(units) => Ok(in_units(&matrix(self.measurement.information(X_CT, seen), p)?, units)),
-            Source::Zhang => matrix(self.measurement.zhang_information(X_CT, seen), p),
+            Source::Intrinsics => matrix(measurement.information(X_CT, seen), p),
+            Source::InUnits(units) => Ok(in_units(&matrix(measurement.information(X_CT, seen), p)?, units)),
+            Source::Zhang => matrix(measurement.zhang_information(X_CT, seen), p),
             Source::Diversity(model) => matrix(Some(model.information(X_CT)), p),
         }
     }
@@ -198,10 +264,10 @@ impl<'a> Evidence<'a> {
         selected.iter().try_fold(term.known.clone(), |M, &i| Ok(M + self.matrix(term, i)?))
     }
 
-    /// log Φ of the poses.
-    pub(super) fn log_value(&self, selected: &[usize]) -> Result<Rounded, CertifyError> {
+    /// log Φ of the poses by some of the terms.
+    fn log_value_of(&self, terms: &[Term], selected: &[usize]) -> Result<Rounded, CertifyError> {
         let mut value = Rounded { log: 0.0, uncertainty: 0.0 };
-        for term in &self.terms {
+        for term in terms {
             let M = self.total(term, selected)?;
             value.log += term.share * term.function.log_value(&M);
             value.uncertainty += term.share * term.function.uncertainty(&M);
@@ -209,10 +275,27 @@ impl<'a> Evidence<'a> {
         Ok(value)
     }
 
-    /// Each pose's share of the information, `⟨∇log Φ(M), M_i⟩`.
+    /// log Φ of the poses.
+    pub(super) fn log_value(&self, selected: &[usize]) -> Result<Rounded, CertifyError> {
+        let mut least = Rounded { log: f64::INFINITY, uncertainty: 0.0 };
+        for terms in self.apart() {
+            let value = self.log_value_of(terms, selected)?;
+            least = Rounded { log: least.log.min(value.log), uncertainty: least.uncertainty.max(value.uncertainty) };
+        }
+        Ok(least)
+    }
+
+    /// Each pose's share of the information, `⟨∇log Φ(M), M_i⟩`; of several scenarios in the first that has the least value.
     pub(super) fn shares(&self, selected: &[usize]) -> Result<Vec<f64>, CertifyError> {
+        let mut least = (f64::INFINITY, &self.terms[..0]);
+        for terms in self.apart() {
+            let value = self.log_value_of(terms, selected)?.log;
+            if value < least.0 {
+                least = (value, terms);
+            }
+        }
         let mut shares = vec![0.0; selected.len()];
-        for term in &self.terms {
+        for term in least.1 {
             let Y = term.function.gradient(&self.total(term, selected)?) * term.share;
             for (share, &i) in shares.iter_mut().zip(selected) {
                 *share += self.matrix(term, i)?.dot(&Y);
@@ -221,15 +304,16 @@ impl<'a> Evidence<'a> {
         Ok(shares)
     }
 
-    /// σ = √diag(M⁻¹) and √tr(W M⁻¹) of the poses.
-    pub(super) fn accuracies(&self, selected: &[usize]) -> Result<Accuracies, CertifyError> {
-        let mut M = self.known.clone();
+    /// σ = √diag(M⁻¹) and √tr(W M⁻¹) of the poses, by scenario.
+    pub(super) fn accuracies(&self, scenario: usize, selected: &[usize]) -> Result<Accuracies, CertifyError> {
+        let SetUp { problem, measurement, views, known, .. } = &self.set_ups[scenario];
+        let mut M = known.clone();
         for &i in selected {
-            let View { X_CT, seen, .. } = &self.survey.views[i];
-            M += matrix(self.measurement.information(X_CT, seen), M.nrows())?;
+            let Some(view) = &views[i] else { continue };
+            M += matrix(measurement.information(&view.X_CT, &view.seen), M.nrows())?;
         }
         let covariance = inverse(&M);
-        let map_error = (self.problem.unknowns().map_error_weight() * &covariance).trace().sqrt();
+        let map_error = (problem.unknowns().map_error_weight() * &covariance).trace().sqrt();
         let sigma = covariance.diagonal().iter().map(|variance| variance.sqrt()).collect();
         Ok(Accuracies { sigma, map_error, uncertainty: uncertainty(&scaled(&M).0) })
     }
@@ -237,29 +321,35 @@ impl<'a> Evidence<'a> {
     /// The covariance of the poses' intrinsics where nothing is weighed, if that is not the same.
     pub(super) fn unweighted(&self, selected: &[usize]) -> Result<Option<DMatrix<f64>>, CertifyError> {
         let Some(mut unweighted) = self.unweighted.clone() else { return Ok(None) };
-        for &i in selected {
-            let View { X_CT, seen, .. } = &self.survey.views[i];
-            unweighted.add(&self.measurement, X_CT, seen).ok_or(CertifyError::Undetermined)?;
+        let SetUp { measurement, views, .. } = &self.set_ups[0];
+        for view in selected.iter().filter_map(|&i| views[i].as_ref()) {
+            unweighted.add(measurement, &view.X_CT, &view.seen).ok_or(CertifyError::Undetermined)?;
         }
         Ok(unweighted.covariance())
     }
 
-    /// log Φ in the unit in which plans state it: log det, a variance, an eigenvalue; of several terms or accuracies Φ.
+    /// log Φ in the unit in which plans state it: log det, a variance, an eigenvalue; of several criteria or accuracies Φ.
     pub(super) fn natural(&self, log: f64) -> f64 {
-        match self.terms.as_slice() {
-            [Term { function: Function::Determinant, known, .. }] => log * known.nrows() as f64,
-            [Term { function: Function::Variance(_), .. }] => (-log).exp(),
+        match self.lone() {
+            Some(Term { function: Function::Determinant, known, .. }) => log * known.nrows() as f64,
+            Some(Term { function: Function::Variance(_), .. }) => (-log).exp(),
             _ => log.exp(),
         }
     }
 
     /// log Φ of what a plan states.
     pub(super) fn log_of(&self, natural: f64) -> f64 {
-        match self.terms.as_slice() {
-            [Term { function: Function::Determinant, known, .. }] => natural / known.nrows() as f64,
-            [Term { function: Function::Variance(_), .. }] => -natural.ln(),
+        match self.lone() {
+            Some(Term { function: Function::Determinant, known, .. }) => natural / known.nrows() as f64,
+            Some(Term { function: Function::Variance(_), .. }) => -natural.ln(),
             _ => natural.ln(),
         }
+    }
+
+    /// The first term, if all are of one criterion.
+    fn lone(&self) -> Option<&Term> {
+        let first = self.terms.first();
+        first.filter(|first| self.terms.iter().all(|term| term.name == first.name))
     }
 
     /// The logarithm of `S / Φ°(Y)`: no allowed set of `count` views has a greater log Φ.
@@ -267,21 +357,36 @@ impl<'a> Evidence<'a> {
         // The bound is what is computed here; whether it is the one stated the caller asks.
         let CertificateDocument { bound: _, terms: stated, mixture, prices } = certificate;
         let Rules { required, forbidden, groups, .. } = &self.rules;
-        let accuracies = self.terms.iter().map(|term| term.function.mixed()).sum::<usize>();
-        let in_all = if accuracies == 0 { 0.0 } else { 1.0 };
-        let mixed = mixture.len() == accuracies
-            && mixture.iter().all(|&λ| λ >= 0.0)
-            && (mixture.iter().sum::<f64>() - in_all).abs() < 1e-9;
+        let mut rest = mixture.as_slice();
+        let mut mixtures = Vec::with_capacity(self.terms.len());
+        for term in &self.terms {
+            let (own, others) = rest.split_at(term.function.mixed().min(rest.len()));
+            mixtures.push(own);
+            rest = others;
+        }
+        let is_mixture = |(own, term): (&&[f64], &Term)| {
+            let in_all = if term.function.mixed() == 0 { 0.0 } else { 1.0 };
+            own.len() == term.function.mixed()
+                && own.iter().all(|&λ| λ >= 0.0)
+                && (own.iter().sum::<f64>() - in_all).abs() < 1e-9
+        };
+        let mixed = rest.is_empty() && mixtures.iter().zip(&self.terms).all(is_mixture);
         let priced = |&Price { group, price }: &Price| price >= 0.0 && group < groups.len();
         if stated.len() != self.terms.len() || !mixed || !prices.iter().all(priced) || count < required.len() {
             return Err(CertifyError::Prices);
         }
-        let mut scores = vec![0.0; self.survey.views.len()];
+        let mut scores = vec![0.0; self.set_ups[0].views.len()];
         // Sums of the products' sizes, for rounding.
         let mut sizes = scores.clone();
         let (mut given, mut entries) = (0.0, 0);
-        let (mut least_polar, mut greatest_polar) = (0.0, 0.0);
-        for (CertificateTerm { criterion, share, matrix }, term) in stated.iter().zip(&self.terms) {
+        // Of each scenario, or of all where their mean counts: the least and the greatest that rounding leaves open.
+        let mut polars: Vec<[f64; 2]> = Vec::new();
+        let mut before = None;
+        let several = self.set_ups.len() > 1;
+        for ((CertificateTerm { scenario, criterion, share, matrix }, term), mixture) in
+            stated.iter().zip(&self.terms).zip(mixtures)
+        {
+            alike("the scenario of a term of the certificate", scenario, &several.then_some(term.scenario))?;
             if criterion != term.name {
                 return Err(CertifyError::Criterion { stated: term.name.into(), found: criterion.clone() });
             }
@@ -303,10 +408,21 @@ impl<'a> Evidence<'a> {
             given += term.known.dot(&Y);
             entries += order * order;
             let shift = ROUNDING * order as f64;
-            // Of the values that rounding leaves open the least, so that the bound holds.
-            least_polar += term.share * (term.function.log_polar(&Y, mixture, -shift) - term.share.ln());
-            greatest_polar += term.share * (term.function.log_polar(&Y, mixture, shift) - term.share.ln());
+            let [least, greatest] = [-shift, shift]
+                .map(|shift| term.share * (term.function.log_polar(&Y, mixture, shift) - term.share.ln()));
+            if self.is_worst() && before != Some(term.scenario) || before.is_none() {
+                polars.push([0.0; 2]);
+            }
+            before = Some(term.scenario);
+            if let Some(polar) = polars.last_mut() {
+                *polar = [polar[0] + least, polar[1] + greatest];
+            }
         }
+        // The bound holds with the least.
+        let [least_polar, greatest_polar] = [0, 1].map(|end| {
+            let greatest = polars.iter().map(|polar| polar[end]).fold(f64::NEG_INFINITY, f64::max);
+            greatest + polars.iter().map(|polar| (polar[end] - greatest).exp()).sum::<f64>().ln()
+        });
         for &Price { group, price } in prices {
             let Group { members, most } = &groups[group];
             for &i in members {
@@ -326,25 +442,29 @@ impl<'a> Evidence<'a> {
     }
 }
 
-/// `X_CT` and the corners seen of the views taken already.
-fn captured(problem: &Problem) -> Result<Vec<(Pose, Corners)>, CertifyError> {
+/// `X_CT` and the corners seen of the views taken already; none of those that do not show enough of the board.
+fn captured(problem: &Problem) -> impl Iterator<Item = Option<(Pose, Corners)>> {
     let corners: Vec<Point3<f64>> = problem.target.board.corners().collect();
     let least = problem.visibility.min_corners.unwrap_or(corners.len());
-    let views = problem.constraints.captured.iter().enumerate();
-    views
-        .map(|(view, q)| {
-            let X_CT = problem.robot.camera_pose(q).inverse() * problem.target.X_BT;
-            let is_seen = |corner: &Point3<f64>| {
-                problem.camera.project(&(X_CT * corner)).is_some_and(|pixel| problem.camera.contains(&pixel, 0.0))
-            };
-            let seen: Vec<usize> = (0..corners.len()).filter(|&i| is_seen(&corners[i])).collect();
-            let faces_camera = (X_CT.rotation * Vector3::z()).dot(&X_CT.translation.vector) < 0.0;
-            if !faces_camera || seen.len() < least {
-                return Err(CertifyError::CapturedUnseen { view: view + 1 });
-            }
-            Ok((X_CT, Corners::Some(seen)))
-        })
-        .collect()
+    problem.constraints.captured.iter().map(move |q| {
+        let X_CT = problem.robot.camera_pose(q).inverse() * problem.target.X_BT;
+        let is_seen = |corner: &Point3<f64>| {
+            problem.camera.project(&(X_CT * corner)).is_some_and(|pixel| problem.camera.contains(&pixel, 0.0))
+        };
+        let seen: Vec<usize> = (0..corners.len()).filter(|&i| is_seen(&corners[i])).collect();
+        let faces_camera = (X_CT.rotation * Vector3::z()).dot(&X_CT.translation.vector) < 0.0;
+        (faces_camera && seen.len() >= least).then_some((X_CT, Corners::Some(seen)))
+    })
+}
+
+/// p×p information of the standard deviations stated.
+fn stated(problem: &Problem) -> DMatrix<f64> {
+    let p = problem.unknowns().len();
+    let mut known = DMatrix::zeros(p, p);
+    for &(j, sigma) in &problem.prior_sigma {
+        known[(j, j)] += sigma.powi(-2);
+    }
+    known
 }
 
 impl Function {

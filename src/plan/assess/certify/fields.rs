@@ -5,7 +5,9 @@ use nalgebra::DMatrix;
 use super::compare::{alike, near, number, numbers, other, same};
 use super::error::CertifyError;
 use super::evidence::Accuracies;
-use crate::plan::document::{Intrinsics, PlannedPose, Pose, SurveyCounts, UnweightedAccuracy};
+use crate::plan::document::{
+    Intrinsics, PlannedPose, Pose, ScenarioDocument, SeenView, SurveyCounts, UnweightedAccuracy,
+};
 use crate::problem::{Goal, Method, Problem};
 
 /// Numbers of a pose agree to this: m, degrees, entries of a quaternion.
@@ -67,6 +69,33 @@ pub(crate) fn is_that_pose(stated: &PlannedPose, found: &PlannedPose) -> Result<
     let margin = |margin: &Option<f64>| margin.iter().copied().collect::<Vec<_>>();
     close("tip-over margin", &margin(stability_margin_m), &margin(&found.stability_margin_m))?;
     alike(&of_pose("the corners seen"), corners_seen, &found.corners_seen)
+}
+
+/// What the plan says of its poses in a scenario.
+pub(crate) fn are_those_in_scenario(
+    stated: &ScenarioDocument,
+    found: &ScenarioDocument,
+    tolerance: f64,
+) -> Result<(), CertifyError> {
+    let ScenarioDocument { intrinsics, map_error_px, views } = stated;
+    let exactly = |what: &str, stated, found| near(what, stated, found, 0.0);
+    numbers("intrinsic of a scenario", intrinsics, &found.intrinsics, exactly)?;
+    alike("whether the map error of a scenario is known", &map_error_px.is_some(), &found.map_error_px.is_some())?;
+    if let (Some(stated), Some(found)) = (map_error_px, found.map_error_px) {
+        number("the map error of a scenario", *stated, found, tolerance)?;
+    }
+    same("the number of views of a scenario", &views.len(), &found.views.len())?;
+    for (stated, found) in views.iter().zip(&found.views) {
+        let close = |what: &str, stated, found| near(what, stated, found, SAME_POSE);
+        let numbers_of = |view: &Option<SeenView>| -> Vec<f64> {
+            let pose = view.as_ref().map(|view| &view.camera_in_base);
+            pose.iter().flat_map(|pose| pose.position_m.into_iter().chain(pose.quaternion_xyzw)).collect()
+        };
+        numbers("coordinate of the camera in a scenario", &numbers_of(stated), &numbers_of(found), close)?;
+        let corners = |view: &Option<SeenView>| view.as_ref().map(|view| view.corners_seen.clone());
+        alike("the corners seen in a scenario", &corners(stated), &corners(found))?;
+    }
+    Ok(())
 }
 
 /// The intrinsics, their nominal values and their predicted standard deviations.

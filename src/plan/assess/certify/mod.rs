@@ -14,19 +14,27 @@ mod unchecked;
 pub use error::{BrokenConstraint, CertifyError};
 pub use unchecked::Unchecked;
 
+use crate::feasibility::View;
 use crate::plan::document::{
     AccuracyDocument, CertificateDocument, Certified, CollisionDocument, Document, FewestDocument, Header, NotChecked,
-    Plan, PlannedPose, ProblemReference, SearchDocument, SurveyCounts,
+    Plan, PlannedPose, ProblemReference, RobustnessDocument, ScenarioDocument, SearchDocument, SurveyCounts,
+    TrialDocument, WorstLoss, finite,
 };
-use crate::plan::survey::Survey;
+use crate::plan::survey::{Survey, Trial};
 use crate::problem::{Accuracy, Problem};
 use compare::{alike, different, near, number, other, same};
 use evidence::{Accuracies, Evidence, Rounded};
-use fields::{are_those_counts, are_those_intrinsics, are_those_unweighted, is_by_that_method, is_that_pose};
+use fields::{
+    are_those_counts, are_those_in_scenario, are_those_intrinsics, are_those_unweighted, is_by_that_method,
+    is_that_pose,
+};
 use unchecked::{BY_SEARCH, EFFORT, MADE_BY};
 
 /// Numbers that are the same agree to this share, and to what rounding may have moved them beyond.
 const SAME: f64 = 1e-8;
+
+/// Map errors of the set-ups tried agree to this share: some may be all but singular.
+const TRIED: f64 = 1e-6;
 
 /// Where rounding may have moved a number by more than this share nothing is confirmed.
 const MOST_ROUNDING: f64 = 1e-2;
@@ -94,6 +102,8 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
         intrinsics,
         map_error_px,
         unweighted,
+        worst_loss,
+        robust,
         certificate,
         search,
         fewest,
@@ -131,12 +141,13 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
         // A gradient is known to less than the value: its own change with M comes in.
         near(&format!("the share of pose {}", pose.id), pose.share, share, SAME + 10.0 * value.uncertainty)?;
     }
-    let accuracies = evidence.accuracies(&selected)?;
+    let accuracies = evidence.accuracies(0, &selected)?;
     trusted("the predicted accuracy", accuracies.uncertainty)?;
     are_those_intrinsics(intrinsics, problem, &accuracies, SAME + accuracies.uncertainty)?;
     number("the map error", *map_error_px, accuracies.map_error, SAME + accuracies.uncertainty)?;
     are_those_unweighted(unweighted.as_ref(), problem, evidence.unweighted(&selected)?, SAME + accuracies.uncertainty)?;
 
+    evidence.loses(worst_loss.as_ref(), survey, &selected)?;
     let bound = evidence.bound(certificate, selected.len())?;
     let tolerance = SAME + value.uncertainty + bound.uncertainty;
     match search {
@@ -170,6 +181,8 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
             unchecked.extend(Unchecked::all(&["fewest.least"], BY_SEARCH));
         }
     }
+    // What takes longest comes last.
+    evidence.withstands(robust.as_ref(), problem, survey, &selected)?;
     Ok(Confirmed {
         views: survey.views.len(),
         value: evidence.natural(value.log),
@@ -186,6 +199,76 @@ impl Evidence<'_> {
     fn equal(&self, what: &str, stated: f64, found: f64, tolerance: f64) -> Result<(), CertifyError> {
         let is_same = (self.log_of(stated) - found).abs() <= tolerance;
         if is_same { Ok(()) } else { Err(different(what, stated, self.natural(found))) }
+    }
+
+    /// Checks which pose is said to be missed most.
+    fn loses(&self, stated: Option<&WorstLoss>, survey: &Survey, selected: &[usize]) -> Result<(), CertifyError> {
+        let Some(WorstLoss { id, map_error_px }) = stated else {
+            return same("whether the worst loss of a pose is stated", &false, &(selected.len() > 1));
+        };
+        let without = |&leaving: &usize| -> Result<_, CertifyError> {
+            let others: Vec<usize> = selected.iter().copied().filter(|&i| i != leaving).collect();
+            Ok((survey.views[leaving].id, self.accuracies(0, &others)?))
+        };
+        let without: Vec<(usize, Accuracies)> = selected.iter().map(without).collect::<Result<_, _>>()?;
+        let is_stated = |other: &&(usize, Accuracies)| other.0 == *id;
+        let Some((_, worst)) = without.iter().find(is_stated) else {
+            return Err(other("the pose whose loss is the worst", id, "one of the plan"));
+        };
+        // Where rounding decides whether all is determined, it decides which loss is the worst.
+        let blurred = |accuracies: &Accuracies| !(accuracies.uncertainty <= MOST_ROUNDING);
+        let Some(map_error) = map_error_px.filter(|_| !blurred(worst)) else {
+            return same("whether a pose may be lost", &blurred(worst), &true);
+        };
+        number("the map error without a pose", map_error, worst.map_error, SAME + worst.uncertainty)?;
+        let greater = without.iter().find(|(_, accuracies)| {
+            blurred(accuracies) || accuracies.map_error > map_error * (1.0 + SAME + accuracies.uncertainty)
+        });
+        greater.map_or(Ok(()), |(greater, _)| Err(other("the pose whose loss is the worst", id, greater)))
+    }
+
+    /// Checks what the poses are said to be worth where the set-up is not quite as stated.
+    fn withstands(
+        &self,
+        stated: Option<&RobustnessDocument>,
+        problem: &Problem,
+        survey: &Survey,
+        selected: &[usize],
+    ) -> Result<(), CertifyError> {
+        let (stated, robust) = match (stated, &problem.robust) {
+            (Some(stated), Some(robust)) => (stated, robust),
+            (None, None) => return Ok(()),
+            (stated, _) => {
+                let said = |is: bool| if is { "stated" } else { "not stated" };
+                return Err(other("what the plan withstands", said(stated.is_some()), said(stated.is_none())));
+            }
+        };
+        let views: Vec<View> = selected.iter().map(|&i| survey.views[i].clone()).collect();
+        let RobustnessDocument { goal, scenarios: stated_scenarios, trial: stated } = stated;
+        same("what counts of the scenarios", goal.as_str(), robust.goal.name())?;
+        let scenes = survey.scenes(problem);
+        same("the number of scenarios", &stated_scenarios.len(), &scenes.len())?;
+        for (scenario, (stated, scene)) in stated_scenarios.iter().zip(&scenes).enumerate() {
+            let Accuracies { map_error, uncertainty, .. } = self.accuracies(scenario, selected)?;
+            let found = finite(map_error);
+            let seen: Vec<_> = views.iter().map(|view| scene.view(view)).collect();
+            are_those_in_scenario(stated, &ScenarioDocument::new(scene, &seen, found), SAME + uncertainty)?;
+        }
+        let TrialDocument { set_ups, seen, median_map_error_px, map_error_of_99_percent_px, worst_map_error_px } =
+            stated;
+        let Some(trial) = Trial::of(problem, &views, self.known()).map(TrialDocument::new) else { return Ok(()) };
+        same("the number of set-ups tried", set_ups, &trial.set_ups)?;
+        alike("the shares of the set-ups in which the poses are views", seen, &trial.seen)?;
+        let close = |what: &str, stated: f64, found: f64| number(what, stated, found, TRIED);
+        let found = [trial.median_map_error_px, trial.map_error_of_99_percent_px, trial.worst_map_error_px];
+        let stated = [median_map_error_px, map_error_of_99_percent_px, worst_map_error_px];
+        for (stated, found) in stated.into_iter().zip(found) {
+            alike("whether a map error of the set-ups tried is known", &stated.is_some(), &found.is_some())?;
+            if let (Some(stated), Some(found)) = (stated, found) {
+                close("a map error of the set-ups tried", *stated, found)?;
+            }
+        }
+        Ok(())
     }
 
     /// What the certificate proves of `count` poses; it must say the same.

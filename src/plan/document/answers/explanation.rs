@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::plan::document::header::{Document, Header, ProblemReference};
+use crate::plan::document::plan::TrialDocument;
 
 /// Why a plan is as it is. Numbers that are infinite or undefined are `null`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -27,8 +28,24 @@ pub struct Explanation {
     pub poses: Vec<PoseExplanation>,
     /// The combination of the intrinsics that the plan knows least.
     pub least_known: LeastKnown,
+    /// What it costs and brings to withstand a set-up that is not quite as stated, where that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub robust: Option<RobustnessPrice>,
     /// Names of the joints, in the order of the poses' joint values.
     pub joints: Vec<String>,
+}
+
+/// The plan beside the best one, of as many poses, for the set-up as stated alone.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct RobustnessPrice {
+    /// Map error of the best plan for the set-up as stated, px, there.
+    pub map_error_as_stated_px: Option<f64>,
+    /// Ids of its poses.
+    pub ids: Vec<usize>,
+    /// The plan's poses in set-ups drawn anew.
+    pub plan: TrialDocument,
+    /// Those of the best plan for the set-up as stated, in the same ones.
+    pub as_stated: TrialDocument,
 }
 
 impl Document for Explanation {

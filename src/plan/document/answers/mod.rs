@@ -16,7 +16,9 @@ pub use calibration::{
 };
 pub use certified::{Certified, NotChecked};
 pub use comparison::{ComparisonDocument, ComparisonEquivalent, ComparisonRow, MeasuredRow};
-pub use explanation::{CombinationTerm, CurvePoint, Explanation, LeastKnown, PoseExplanation, SparePose, Suffering};
+pub use explanation::{
+    CombinationTerm, CurvePoint, Explanation, LeastKnown, PoseExplanation, RobustnessPrice, SparePose, Suffering,
+};
 pub use figures::{FigureFile, FiguresDocument};
 pub use next::{NextDocument, SimulatedMapError};
 pub use noise::{MeasuredNoise, NoiseDocument};

@@ -4,6 +4,7 @@ mod collision;
 mod polished;
 mod pose;
 mod proof;
+mod robustness;
 mod run;
 mod survey_counts;
 
@@ -12,6 +13,7 @@ pub use polished::{GridPlan, PROVEN, PolishedPlan};
 pub use pose::{PlannedPose, Pose, joints_deg};
 pub(crate) use pose::{joint_columns, poses_csv};
 pub use proof::{AccuracyDocument, CertificateDocument, CertificateTerm, FewestDocument, Price, SearchDocument};
+pub use robustness::{RobustnessDocument, ScenarioDocument, SeenView, TrialDocument};
 pub use run::{Run, RunProblem, RunSeconds};
 pub use survey_counts::SurveyCounts;
 
@@ -21,7 +23,7 @@ use thiserror::Error;
 
 use crate::feasibility::View;
 use crate::plan::choose::{Chooser, Decision, PlanError};
-use crate::plan::document::header::{Document, Header, ProblemReference};
+use crate::plan::document::header::{Document, Header, ProblemReference, finite};
 use crate::robot::Joint;
 
 /// A calibration plan, key by key as in `plan.json`. SI units, angles in rad unless the key says otherwise.
@@ -60,6 +62,12 @@ pub struct Plan {
     /// What plain least squares would make of the poses, where the corners scatter unequally.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub unweighted: Option<UnweightedAccuracy>,
+    /// The pose whose picture is missed most; plans of older versions, and of one pose, do not say.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub worst_loss: Option<WorstLoss>,
+    /// What the poses are worth where the set-up is not quite as stated, if that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub robust: Option<RobustnessDocument>,
     /// The proof of the bound; where a search followed, of the bound that it started from.
     pub certificate: CertificateDocument,
     /// How the search for the proven best set went, if there was one.
@@ -123,6 +131,27 @@ pub struct UnweightedAccuracy {
     pub map_error_px: f64,
 }
 
+/// The pose without which the predicted map error is greatest.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct WorstLoss {
+    /// Its id.
+    pub id: usize,
+    /// Predicted RMS error of the calibrated projection over the image without it, in px; none where the others leave an intrinsic
+    /// undetermined.
+    pub map_error_px: Option<f64>,
+}
+
+impl WorstLoss {
+    /// Of poses by id, from the map error without each.
+    pub(crate) fn new(without_each: impl Iterator<Item = (usize, f64)>) -> Option<Self> {
+        let undetermined = |map_error: f64| if map_error.is_nan() { f64::INFINITY } else { map_error };
+        let (id, map_error) = without_each
+            .map(|(id, map_error)| (id, undetermined(map_error)))
+            .reduce(|a, b| if b.1 > a.1 { b } else { a })?;
+        Some(Self { id, map_error_px: finite(map_error) })
+    }
+}
+
 impl UnweightedAccuracy {
     /// Of `views`, in the survey of `chooser` or not; `None` where weights change nothing.
     pub(crate) fn new<'v>(chooser: &Chooser, views: impl IntoIterator<Item = &'v View>) -> Option<Self> {
@@ -148,6 +177,7 @@ impl Plan {
         let names = problem.unknowns().names();
         let shares = chooser.shares(&choice.selected)?;
         let poses = choice.selected.iter().zip(shares);
+        let views: Vec<View> = choice.selected.iter().map(|&i| survey.views[i].clone()).collect();
         let document = |certificate| CertificateDocument::new(chooser.objective(), certificate);
         let fewest = decision.fewest.as_ref().map(|proof| FewestDocument {
             accuracies: chooser.reached(choice).into_iter().map(AccuracyDocument::new).collect(),
@@ -173,7 +203,9 @@ impl Plan {
                 sigma: choice.sigma.clone(),
             },
             map_error_px: choice.map_error,
-            unweighted: UnweightedAccuracy::new(chooser, choice.selected.iter().map(|&i| &survey.views[i])),
+            unweighted: UnweightedAccuracy::new(chooser, &views),
+            worst_loss: worst_loss(chooser, &choice.selected),
+            robust: RobustnessDocument::new(chooser, &views),
             certificate: document(&decision.certificate),
             search: decision.search.as_ref().map(SearchDocument::new),
             fewest,
@@ -212,4 +244,13 @@ impl Plan {
     pub fn to_csv(&self, joints: &[Joint]) -> Result<Vec<u8>, csv::Error> {
         poses_csv(joints, &self.poses)
     }
+}
+
+/// Which of the poses is missed most, if it is not the only one.
+fn worst_loss(chooser: &Chooser, selected: &[usize]) -> Option<WorstLoss> {
+    let without = |&leaving: &usize| {
+        let others = selected.iter().copied().filter(|&i| i != leaving).collect();
+        (chooser.survey().views[leaving].id, chooser.assess(others).map_error)
+    };
+    if selected.len() > 1 { WorstLoss::new(selected.iter().map(without)) } else { None }
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::pose::{PlannedPose, poses_csv};
 use super::proof::CertificateDocument;
-use super::{Intrinsics, UnweightedAccuracy};
+use super::{Intrinsics, RobustnessDocument, UnweightedAccuracy};
 use crate::plan::document::header::{Document, Header, ProblemReference};
 use crate::robot::Joint;
 
@@ -38,6 +38,9 @@ pub struct PolishedPlan {
     /// What plain least squares would make of the poses, where the corners scatter unequally.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub unweighted: Option<UnweightedAccuracy>,
+    /// What the poses are worth where the set-up is not quite as stated, if that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub robust: Option<RobustnessDocument>,
     /// Cycles over all poses.
     pub cycles: usize,
     /// Whether the last cycle gained next to nothing.

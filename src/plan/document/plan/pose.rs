@@ -62,6 +62,14 @@ impl Pose {
     }
 }
 
+/// The corners of a view by index, where they are not all.
+pub(super) fn corners_seen(seen: &Corners) -> Option<Vec<usize>> {
+    match seen {
+        Corners::All => None,
+        Corners::Some(indices) => Some(indices.clone()),
+    }
+}
+
 impl PlannedPose {
     pub(crate) fn new(problem: &Problem, view: &View, share: f64) -> Self {
         Self {
@@ -74,10 +82,7 @@ impl PlannedPose {
             distance_m: view.distance(),
             share,
             stability_margin_m: view.stability_margin,
-            corners_seen: match &view.seen {
-                Corners::All => None,
-                Corners::Some(indices) => Some(indices.clone()),
-            },
+            corners_seen: corners_seen(&view.seen),
         }
     }
 }

@@ -14,7 +14,7 @@ use crate::selection::{Certificate, SearchEnd};
 pub struct CertificateDocument {
     /// The bound that they prove, as [`Plan::bound`](crate::plan::document::Plan::bound).
     pub bound: f64,
-    /// One term per criterion.
+    /// One term per criterion, scenario after scenario.
     pub terms: Vec<CertificateTerm>,
     /// For accuracies, the mixture λ of the names' variances that the bound is taken for.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
@@ -27,9 +27,12 @@ pub struct CertificateDocument {
 /// A criterion's part of a certificate.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CertificateTerm {
+    /// Number of the scenario, 0 for the set-up as stated; none where it is the only one.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub scenario: Option<usize>,
     /// Name of the criterion.
     pub criterion: String,
-    /// Its share.
+    /// Its share, of the scenario's where the worst scenario counts.
     pub share: f64,
     /// Y, p×p, positive semidefinite, row by row; the share is in it.
     pub matrix: Vec<Vec<f64>>,
@@ -107,10 +110,12 @@ impl SearchDocument {
 impl CertificateDocument {
     pub(crate) fn new(objective: &Objective, certificate: &Certificate) -> Self {
         let mut rest = certificate.y.as_slice();
-        let terms = objective.criteria().map(|(criterion, share, p)| {
+        let scenarios = objective.scenarios();
+        let terms = objective.criteria().map(|(scenario, criterion, share, p)| {
             let (own, others) = rest.split_at(packed_len(p));
             rest = others;
             CertificateTerm {
+                scenario: (scenarios > 1).then_some(scenario),
                 criterion: criterion.map_or(Goal::ACCURACY, Criterion::name).into(),
                 share,
                 matrix: unpack(own, p).row_iter().map(|row| row.iter().copied().collect()).collect(),

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use crate::camera::Lens;
 use crate::information::{Criterion, NoiseName};
-use crate::problem::Method;
+use crate::problem::{Method, RobustGoal};
 use crate::robot::JointKind;
 use crate::robot::dh::Convention;
 use crate::sweep::AxisRule;
@@ -107,6 +107,16 @@ impl Choice for MountName {
             Self::RosBody => "ros-body",
             Self::OpenGl => "opengl",
         }
+    }
+}
+
+impl Choice for RobustGoal {
+    fn all() -> &'static [Self] {
+        &Self::ALL
+    }
+
+    fn name(self) -> &'static str {
+        self.name()
     }
 }
 

@@ -1,0 +1,109 @@
+//! What views are where the set-up is not quite as stated.
+
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use super::SurveyError;
+use crate::feasibility::{Checks, View};
+use crate::information::Measurement;
+use crate::problem::{Problem, Robustness};
+use crate::selection::InformationSet;
+use crate::selection::packed::{inverse, packed_len, unpack};
+
+/// A set-up as it may be, and what the views of the stated one would teach there.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scenario {
+    /// The set-up.
+    pub problem: Problem,
+    /// The views' information on the estimated intrinsics, in their order; nothing of those that are none here.
+    pub information: InformationSet,
+    /// The p×p weight of the map error.
+    pub map_weight: DMatrix<f64>,
+}
+
+/// Draws that are tried together, after which views that cannot be seen often enough are given up.
+const TOGETHER: usize = 16;
+
+/// Those of `views` that are views in the share of the drawn set-ups that the problem demands.
+pub(super) fn certain(problem: &Problem, views: Vec<View>) -> Vec<View> {
+    let Some(Robustness { draws, seen_share, .. }) = problem.robust else { return views };
+    let most_missed = draws - (seen_share * draws as f64 - 1e-9).ceil() as usize;
+    // The stated set-up is the first draw.
+    let mut left: Vec<(View, usize)> = views.into_iter().map(|view| (view, 0)).collect();
+    let mut draw = 1;
+    while draw < draws {
+        let together = draw..(draw + TOGETHER).min(draws);
+        let missed: Vec<Vec<bool>> = together
+            .clone()
+            .into_par_iter()
+            .map(|draw| {
+                let drawn = problem.drawn(problem.selection.seed, draw);
+                let checks = drawn.checks();
+                left.par_iter().map(|(view, _)| checks.view(view.id, view.q.clone()).is_err()).collect()
+            })
+            .collect();
+        for missed in missed {
+            for ((_, count), missed) in left.iter_mut().zip(missed) {
+                *count += usize::from(missed);
+            }
+        }
+        left.retain(|&(_, missed)| missed <= most_missed);
+        draw = together.end;
+    }
+    left.into_iter().map(|(view, _)| view).collect()
+}
+
+impl Scenario {
+    /// The scenarios that the problem demands beside the set-up as stated.
+    ///
+    /// # Errors
+    /// When a view's pose is not determined by its own corners.
+    pub(super) fn all(problem: &Problem, views: &[View]) -> Result<Vec<Self>, SurveyError> {
+        problem.scenarios().into_iter().map(|scenario| Self::new(scenario, views)).collect()
+    }
+
+    fn new(problem: Problem, views: &[View]) -> Result<Self, SurveyError> {
+        let scene = Scene::new(&problem);
+        let nothing = vec![0.0; packed_len(problem.estimated.len())];
+        let information = views.par_iter().map(|view| match scene.view(view) {
+            Some(view) => scene.measurement.information(&view.X_CT, &view.seen),
+            None => Some(nothing.clone()),
+        });
+        let information = information.collect::<Option<Vec<_>>>().ok_or_else(|| SurveyError::undetermined(&problem))?;
+        let information = InformationSet::from_packed_trusted(problem.estimated.len(), information.concat());
+        let map_weight = problem.unknowns().map_error_weight();
+        Ok(Self { information, map_weight, problem })
+    }
+}
+
+/// A set-up, ready to look at views of another.
+#[derive(Debug, Clone)]
+pub(crate) struct Scene<'a> {
+    checks: Checks<'a>,
+    pub(crate) measurement: Measurement<'a>,
+}
+
+impl<'a> Scene<'a> {
+    pub(crate) fn new(problem: &'a Problem) -> Self {
+        Self { checks: problem.checks(), measurement: problem.measurement() }
+    }
+
+    /// What the configuration of a view shows here; `None` if it is no view.
+    pub(crate) fn view(&self, view: &View) -> Option<View> {
+        self.look(view.id, view.q.clone())
+    }
+
+    /// Predicted map error of what is seen, px, beside the p×p information known already; infinite where that does not determine the
+    /// intrinsics.
+    pub(crate) fn map_error(&self, seen: &[Option<View>], known: &DMatrix<f64>) -> f64 {
+        let told = seen.iter().flatten().filter_map(|view| self.measurement.information(&view.X_CT, &view.seen));
+        let total = told.fold(known.clone(), |total, told| total + unpack(&told, known.nrows()));
+        let weight = || self.measurement.unknowns.map_error_weight();
+        inverse(&total).map_or(f64::INFINITY, |covariance| (weight() * covariance).trace().sqrt())
+    }
+
+    /// What the joint values `q` of configuration `id` show here; `None` if that is no view.
+    pub(crate) fn look(&self, id: usize, q: Vec<f64>) -> Option<View> {
+        self.checks.view(id, q).ok()
+    }
+}
