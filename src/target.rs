@@ -5,7 +5,7 @@
 
 use std::f64::consts::PI;
 
-use nalgebra::{Point3, UnitQuaternion, Vector3};
+use nalgebra::{Point3, UnitQuaternion, Vector2, Vector3};
 
 use crate::spatial::Pose;
 
@@ -29,6 +29,25 @@ pub struct Board {
     pub rows: usize,
     /// Distance of neighbouring corners in metres.
     pub square: f64,
+}
+
+/// What a point of a board is: how its place in a picture is found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Feature {
+    /// Edges that meet.
+    Corner {
+        /// The two edges on the board, from the corner to the next, in m.
+        edges: [Vector2<f64>; 2],
+        /// Whether the edges go on across the corner, as those of a chessboard do.
+        is_crossing: bool,
+    },
+    /// The centre of a circle.
+    Circle {
+        /// Its radius in m.
+        radius: f64,
+    },
+    /// A point of which no more is known.
+    Point,
 }
 
 /// Which corners of a board, of those seen for instance.
@@ -81,6 +100,12 @@ impl Board {
             (row as f64 - (self.rows - 1) as f64 / 2.0) * self.square,
             0.0,
         )
+    }
+
+    /// What the corner with that index is.
+    pub fn feature(&self, _index: usize) -> Feature {
+        let edges = [Vector2::new(self.square, 0.0), Vector2::new(0.0, self.square)];
+        Feature::Corner { edges, is_crossing: true }
     }
 
     /// Column and row of the corner with that index, counted row by row.
