@@ -5,7 +5,7 @@ use nalgebra::{Point3, Vector2, Vector3};
 use super::rejection::Rejection;
 use crate::camera::Camera;
 use crate::spatial::Pose;
-use crate::target::{Corners, Target};
+use crate::target::{Board, Corners, Marker, Target, told};
 
 /// What a view must satisfy.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,6 +24,8 @@ pub struct VisibilityLimits {
     pub min_corner_spacing: f64,
     /// Fewest corners that make a view, of a board that can be read in part; none where every corner must be seen.
     pub min_corners: Option<usize>,
+    /// Least side in px of a marker that can be read.
+    pub min_marker: f64,
 }
 
 /// Cosine of the angle between the optical axis and the board's inward normal.
@@ -31,13 +33,14 @@ pub(super) fn cos_tilt(X_CT: &Pose) -> f64 {
     -(X_CT.rotation * Vector3::z()).z
 }
 
-/// The corners whose images satisfy the limits, or the first reason that the board is not seen; `corners` are all of the
-/// board's, in T.
+/// The corners whose images satisfy the limits, or the first reason that the board is not seen; `corners` and `markers` are all
+/// of the board's, in T.
 pub(super) fn visible_corners(
     camera: &Camera,
     target: &Target,
     limits: &VisibilityLimits,
     corners: &[Point3<f64>],
+    markers: &[Marker],
     X_CT: &Pose,
 ) -> Result<Corners, Rejection> {
     let to_board = X_CT.translation.vector;
@@ -62,19 +65,47 @@ pub(super) fn visible_corners(
     };
     let Some(least) = limits.min_corners else {
         let pixels = corners.iter().map(pixel).collect::<Result<Vec<_>, Rejection>>()?;
-        let crowded = is_crowded(target.board.columns, pixels.len(), limits.min_corner_spacing, |i| Some(&pixels[i]));
+        if let Some(reason) = markers.iter().find_map(|marker| illegible(camera, limits, marker, X_CT)) {
+            return Err(reason);
+        }
+        let crowded = is_crowded(&target.board, limits.min_corner_spacing, |i| pixels.get(i));
         return if crowded { Err(Rejection::CornerSpacing) } else { Ok(Corners::All) };
     };
-    let pixels: Vec<Result<Vector2<f64>, Rejection>> = corners.iter().map(pixel).collect();
+    let mut pixels: Vec<Result<Vector2<f64>, Rejection>> = corners.iter().map(pixel).collect();
+    for marker in markers {
+        let Some(reason) = illegible(camera, limits, marker, X_CT) else { continue };
+        for &corner in &marker.corners {
+            pixels[corner] = Err(reason);
+        }
+    }
     let seen = enough(target, least, (0..pixels.len()).filter(|&i| pixels[i].is_ok()).collect());
     let Some(seen) = seen else {
         return Err(pixels.into_iter().find_map(Result::err).unwrap_or(Rejection::OutsideImage));
     };
-    let at = |i: usize| pixels[i].as_ref().ok();
-    if is_crowded(target.board.columns, pixels.len(), limits.min_corner_spacing, at) {
+    let at = |i: usize| pixels.get(i).and_then(|pixel| pixel.as_ref().ok());
+    if is_crowded(&target.board, limits.min_corner_spacing, at) {
         return Err(Rejection::CornerSpacing);
     }
     Ok(seen)
+}
+
+/// Why a marker cannot be read, however it is lit and whatever stands before it.
+fn illegible(camera: &Camera, limits: &VisibilityLimits, marker: &Marker, X_CT: &Pose) -> Option<Rejection> {
+    let pixels: Option<Vec<_>> = marker.outline.iter().map(|point| camera.project(&(X_CT * point))).collect();
+    let Some(pixels) = pixels else { return Some(Rejection::BeyondLens) };
+    if !pixels.iter().all(|pixel| camera.contains(pixel, 0.0)) {
+        return Some(Rejection::OutsideImage);
+    }
+    let next = pixels.iter().cycle().skip(1);
+    let is_small = limits.min_marker > 0.0 && pixels.iter().zip(next).any(|(a, b)| (a - b).norm() < limits.min_marker);
+    is_small.then_some(Rejection::CornerSpacing)
+}
+
+/// The corners of a board with `count` that are told from each other in a picture that `camera` takes from `X_CT`, as far as its
+/// `markers` are in it whole.
+pub fn told_in_image(camera: &Camera, markers: &[Marker], count: usize, X_CT: &Pose) -> Vec<bool> {
+    let is_in = |point: &Point3<f64>| camera.project(&(X_CT * point)).is_some_and(|pixel| camera.contains(&pixel, 0.0));
+    told(markers, count, |marker| marker.outline.iter().all(is_in))
 }
 
 /// The corners, if they are `least` or more and fix a homography.
@@ -85,14 +116,13 @@ pub(super) fn enough(target: &Target, least: usize, corners: Vec<usize>) -> Opti
     (corners.len() >= least && target.board.fix_homography(&corners)).then_some(Corners::Some(corners))
 }
 
-/// Whether two neighbours of a board with so many columns, of those of its `count` corners that `at` has an image of, are
-/// nearer in the image than `least` (px).
-fn is_crowded<'p>(columns: usize, count: usize, least: f64, at: impl Fn(usize) -> Option<&'p Vector2<f64>>) -> bool {
+/// Whether a corner of a board and a neighbour, of those that `at` has an image of, are nearer in the image than `least` (px).
+fn is_crowded<'p>(board: &Board, least: f64, at: impl Fn(usize) -> Option<&'p Vector2<f64>>) -> bool {
     let too_close = |i: usize, j: usize| match (at(i), at(j)) {
         (Some(a), Some(b)) => (a - b).norm() < least,
         _ => false,
     };
-    (0..count).any(|i| (i % columns != 0 && too_close(i, i - 1)) || (i >= columns && too_close(i, i - columns)))
+    least > 0.0 && (0..board.corner_count()).any(|i| board.neighbours(i).into_iter().any(|j| too_close(i, j)))
 }
 
 #[cfg(test)]
@@ -103,7 +133,7 @@ mod tests {
     use crate::camera::Lens;
     use crate::target::{Board, Zone};
 
-    const BOARD: Board = Board { columns: 4, rows: 3, square: 0.03 };
+    const BOARD: Board = Board::checkerboard(4, 3, 0.03);
 
     /// No limits but those of geometry.
     const NONE: VisibilityLimits = VisibilityLimits {
@@ -114,6 +144,7 @@ mod tests {
         max_distance: 100.0,
         min_corner_spacing: 0.0,
         min_corners: None,
+        min_marker: 0.0,
     };
 
     /// What a pinhole camera of 640 × 480 px with a focal length of 500 px sees.
@@ -121,7 +152,7 @@ mod tests {
         let camera = Camera::new(Lens::Pinhole, 640, 480, &[500.0, 500.0, 319.5, 239.5]).unwrap();
         let zone = Zone { width: 1.0, height: 1.0, edge_margin: 0.0 };
         let target = Target { board: BOARD, X_BT: Pose::identity(), zone };
-        visible_corners(&camera, &target, limits, &BOARD.corners().collect::<Vec<_>>(), X_CT)
+        visible_corners(&camera, &target, limits, &BOARD.corners().collect::<Vec<_>>(), &[], X_CT)
     }
 
     /// The board's centre at `p` in C, its printed side towards −z but turned by `r`.

@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 
 use crate::desk::command;
 
-const BOARD: Board = Board { columns: 8, rows: 6, square: 0.035 };
+const BOARD: Board = Board::checkerboard(8, 6, 0.035);
 const OPTIONS: [&str; 6] = ["--board", "8x6", "--square-mm", "35", "--image", "1280x720"];
 const NOISE: f64 = 0.2;
 
@@ -150,7 +150,7 @@ fn a_problem_file_says_board_lens_and_what_to_estimate() {
     std::fs::write(folder.path().join("arm.toml"), &problem).unwrap();
     std::fs::write(folder.path().join("corners.vnl"), vnl(&simulated())).unwrap();
     let loaded = calipose::problem::Problem::parse(&problem, Path::new("arm.toml")).unwrap();
-    assert_eq!((loaded.camera.width(), loaded.camera.height(), loaded.target.board.rows), (1280, 720, 6));
+    assert_eq!((loaded.camera.width(), loaded.camera.height(), loaded.target.board.clone()), (1280, 720, BOARD));
     let found = calibrated(folder.path(), &["corners.vnl", "--problem", "arm.toml"]);
     assert_eq!(found["estimated"], json!(loaded.unknowns().names()));
     let both = calibrate(folder.path(), &["corners.vnl", "--problem", "arm.toml", "--lens", "none"]);
@@ -415,7 +415,7 @@ fn weights_are_read_and_levels_are_weights() {
     assert!(levels.views().iter().flatten().all(|corner| corner.weight == 0.5));
     assert!(read(&text).views().iter().flatten().all(|corner| corner.weight == 1.0));
     let file = std::fs::read_to_string("tests/data/corners/weights.vnl").unwrap();
-    let board = Board { columns: 9, rows: 6, square: 0.025 };
+    let board = Board::checkerboard(9, 6, 0.025);
     let known = Known { board: Some(board), image: Some([640, 480]), images: None };
     assert_eq!(read_detections(&file, &known).unwrap().names.len(), 25);
 }

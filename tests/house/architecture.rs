@@ -28,7 +28,7 @@ const ORDER: [&str; 18] = [
 ];
 
 /// The files and rooms in a room; each may use those before it, and all may use the room's own `mod.rs`.
-const ROOMS: [(&str, &[&str]); 30] = [
+const ROOMS: [(&str, &[&str]); 32] = [
     (
         "selection",
         &[
@@ -49,9 +49,24 @@ const ROOMS: [(&str, &[&str]); 30] = [
     ("selection::function", &["soft_minimum", "curvature"]),
     ("selection::instance", &["constraints", "packing"]),
     ("selection::search", &["node", "fewest"]),
+    (
+        "target",
+        &[
+            "error",
+            "feature",
+            "dictionary",
+            "layout",
+            "checkerboard",
+            "charuco",
+            "aprilgrid",
+            "circles",
+            "points",
+            "board",
+        ],
+    ),
     ("robot", &["joint", "tree", "chain", "dh", "mechanism", "turn", "inverse"]),
     ("print", &["paper", "error", "artwork", "layout", "svg", "pdf"]),
-    ("print::artwork", &["text", "checkerboard"]),
+    ("print::artwork", &["text", "checkerboard", "modules", "charuco", "aprilgrid", "circles"]),
     ("print::layout", &["strip", "sheet", "tiles"]),
     (
         "feasibility",
@@ -80,8 +95,22 @@ const ROOMS: [(&str, &[&str]); 30] = [
     ),
     (
         "formats",
-        &["number", "error", "disk", "xml", "tree", "image_size", "mesh", "urdf", "camera", "detections", "file"],
+        &[
+            "number",
+            "error",
+            "disk",
+            "xml",
+            "tree",
+            "image_size",
+            "mesh",
+            "urdf",
+            "board",
+            "camera",
+            "detections",
+            "file",
+        ],
     ),
+    ("formats::board", &["kalibr", "opencv", "points"]),
     (
         "problem",
         &[

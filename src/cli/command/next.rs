@@ -73,7 +73,7 @@ pub(crate) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<Verd
     probe(folder)?;
     let path = &arguments.observations;
     let known = Known {
-        board: Some(problem.target.board),
+        board: Some(problem.target.board.clone()),
         image: Some([problem.camera.width(), problem.camera.height()]),
         images: arguments.images.clone(),
     };

@@ -337,6 +337,7 @@ fn print_help(error: &PrintError) -> String {
         PrintError::TooLarge { .. } => "spread it over several pages with --tile".into(),
         PrintError::Margin { .. } => "give the border that the printer leaves white".into(),
         PrintError::Board { .. } => "correct `target` in the problem file".into(),
+        PrintError::NoPattern => "print it with the program that its points are from".into(),
     }
 }
 

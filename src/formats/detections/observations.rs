@@ -28,7 +28,7 @@ pub(super) fn read(text: &str, known: &Known) -> Result<ListedImages, ReadError>
     let (columns, rows) = (side("columns")? as usize, side("rows")? as usize);
     let key = "board.square_mm";
     let square = stated.require("board.", "square_mm")?.number(&key)?.between(&key, 1e-3, 1e6)? / 1e3;
-    let board = Board { columns, rows, square };
+    let board = Board::checkerboard(columns, rows, square);
     let size = root.require("", "image")?;
     let side = |key: &str| image_size::side(size.require("image.", key)?, &format!("image.{key}"));
     let found = [side("width_px")?, side("height_px")?];
@@ -50,9 +50,14 @@ fn view(node: &Node, i: usize, board: &Board) -> Result<ListedImage, ReadError> 
     let list = node.require(&within, "corners")?;
     let corners = list.list(&format_args!("{within}corners"))?;
     if corners.len() != board.corner_count() {
-        let Board { columns, rows, .. } = *board;
         let line = corners.last().map_or(list.line, |corner| corner.line);
-        return Err(ReadFault::CornerCount { view: name, found: corners.len(), columns, rows }.at(line));
+        let fault = ReadFault::CornerCount {
+            view: name,
+            found: corners.len(),
+            board: board.to_string(),
+            corners: board.corner_count(),
+        };
+        return Err(fault.at(line));
     }
     let pixel = |(j, corner): (usize, &Node)| {
         if corner.is_null() {

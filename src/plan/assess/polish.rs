@@ -122,7 +122,7 @@ pub fn polish(
     let setting = Setting { problem, objective, measurement: problem.measurement(), checks: &checks };
     let start = grid.selected.iter().map(|&i| chooser.survey().views[i].clone());
     let board = &problem.target.board;
-    let undetermined = SurveyError::PoseUndetermined { columns: board.columns, rows: board.rows };
+    let undetermined = SurveyError::PoseUndetermined { board: board.to_string() };
     let mut current = Poses::new(&setting, start.collect()).ok_or_else(|| undetermined.clone())?;
     let mut best = current.clone();
     let mut best_value = grid.log_value;

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, Point3, Vector3};
 use thiserror::Error;
 
-use crate::feasibility::View;
+use crate::feasibility::{View, told_in_image};
 use crate::figures::grouped;
 use crate::plan::survey::Survey;
 use crate::problem::{JointRegion, PoseConstraints, Problem};
@@ -120,13 +120,15 @@ pub(crate) struct Captured {
 /// When one does not see the board.
 pub(crate) fn captured(problem: &Problem) -> Result<Vec<Captured>, ConstraintError> {
     let corners: Vec<_> = problem.target.board.corners().collect();
+    let markers = problem.target.board.markers();
     let view = |(view, q): (usize, &Vec<f64>)| {
         let X_CT = problem.robot.camera_pose(q).inverse() * problem.target.X_BT;
         let camera = &problem.camera;
         let in_image =
             |corner: &Point3<f64>| camera.project(&(X_CT * corner)).is_some_and(|pixel| camera.contains(&pixel, 0.0));
         let printed_side = (X_CT.rotation * Vector3::z()).dot(&X_CT.translation.vector) < 0.0;
-        let seen: Vec<usize> = (0..corners.len()).filter(|&i| in_image(&corners[i])).collect();
+        let is_told = told_in_image(camera, &markers, corners.len(), &X_CT);
+        let seen: Vec<usize> = (0..corners.len()).filter(|&i| is_told[i] && in_image(&corners[i])).collect();
         if !printed_side || seen.len() < problem.visibility.min_corners.unwrap_or(corners.len()) {
             return Err(ConstraintError::CapturedUnseen { view: view + 1 });
         }

@@ -236,10 +236,7 @@ impl<'a> ObjectiveTerm<'a> {
             }
             Criterion::Zhang => {
                 let measurement = problem.measurement();
-                let undetermined = SurveyError::PoseUndetermined {
-                    columns: problem.target.board.columns,
-                    rows: problem.target.board.rows,
-                };
+                let undetermined = SurveyError::PoseUndetermined { board: problem.target.board.to_string() };
                 let set = |views: Vec<(&Pose, &Corners)>| measurement.zhang_set(views).ok_or(undetermined.clone());
                 let candidates = set(survey.views.iter().map(|view| (&view.X_CT, &view.seen)).collect())?;
                 let known = set(captured.iter().map(|view| (&view.X_CT, &view.seen)).collect())?;

@@ -64,12 +64,10 @@ pub enum SurveyError {
         diagnosis: Box<Diagnosis>,
     },
     /// A view's pose is not determined by its own corners.
-    #[error("the board's {columns} x {rows} corners do not determine its pose in the image")]
+    #[error("the corners of the {board} do not determine its pose in the image")]
     PoseUndetermined {
-        /// Corners along x.
-        columns: usize,
-        /// Corners along y.
-        rows: usize,
+        /// The board.
+        board: String,
     },
 }
 
@@ -160,7 +158,7 @@ impl Survey {
         let information = problem
             .measurement()
             .information_set(views.par_iter().map(|view| (&view.X_CT, &view.seen)))
-            .ok_or(SurveyError::PoseUndetermined { columns: board.columns, rows: board.rows })?;
+            .ok_or(SurveyError::PoseUndetermined { board: board.to_string() })?;
         Ok(Self {
             sweep: Sweep { swept: views.len(), inside: 0, edge: 0, candidates: Vec::new() },
             views,

@@ -52,7 +52,7 @@ pub(crate) fn join(
     let information = problem
         .measurement()
         .information_set(views.par_iter().map(|view| (&view.X_CT, &view.seen)))
-        .ok_or(SurveyError::PoseUndetermined { columns: board.columns, rows: board.rows })?;
+        .ok_or(SurveyError::PoseUndetermined { board: board.to_string() })?;
     survey.information.append(&information);
     survey.views.extend(views);
     survey.refined += tried;

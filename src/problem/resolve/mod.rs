@@ -34,7 +34,7 @@ pub(super) fn resolve(document: &Document, file: &schema::File, path: &Path) -> 
     let mut robot = check.robot(file, folder);
     check.scene(&key!(file, scene), robot.as_mut());
     let camera = check.camera(&key!(file, camera), folder);
-    let target = check.target(&key!(file, target));
+    let target = check.target(&key!(file, target), folder);
     let thickness = check.length(&key!(file, target.thickness_mm), SIZE);
     if let (Some(robot), Some(target)) = (&mut robot, &target) {
         Check::board(target, thickness, robot.board_link, &mut robot.tree);
@@ -42,7 +42,7 @@ pub(super) fn resolve(document: &Document, file: &schema::File, path: &Path) -> 
     let clearance = check.collision(&key!(file, collision), robot.as_mut().map(|robot| &mut robot.tree));
     let stability = key!(file, stability).given();
     let stability = stability.and_then(|test| check.stability(&test, robot.as_ref().map(|robot| &robot.tree)));
-    let visibility = check.visibility(&key!(file, visibility), &file.value.target);
+    let visibility = check.visibility(&key!(file, visibility), target.as_ref().map(|target| &target.board));
     let noise = check.number(&key!(file, noise.sigma_px), NOISE);
     // Without its camera file the names of the lens's intrinsics are not known.
     let lens = camera.as_ref().map(Camera::lens).or_else(|| file.value.camera.stated_lens());

@@ -21,10 +21,12 @@ pub(crate) struct Visibility {
     pub(crate) max_distance_mm: f64,
     /// Minimum distance between neighbouring corners in the image, in px.
     pub(crate) min_corner_spacing_px: f64,
-    /// Minimum number of corners in a view, for boards that can be read in part (`ChArUco`, grids of tags); every corner when left
-    /// out.
+    /// Minimum number of corners in a view, for boards that can be read in part. When left out: 4 of a `charuco` board, 16 of an
+    /// `aprilgrid`, and every corner of other boards.
     #[schemars(range(min = 4))]
     pub(crate) min_corners: Option<u32>,
+    /// Minimum length of a marker's or tag's sides in the image, in px, for it to be read; three px for each of its modules when left out.
+    pub(crate) min_marker_px: Option<f64>,
 }
 
 /// The error of a detected corner.
@@ -57,6 +59,7 @@ impl Default for Visibility {
             max_distance_mm: 100_000.0,
             min_corner_spacing_px: 5.0,
             min_corners: None,
+            min_marker_px: None,
         }
     }
 }

@@ -167,13 +167,12 @@ impl Setting {
         let problem = arguments.problem.as_deref().map(Problem::read).transpose()?;
         let images = arguments.images.clone();
         let known = if let Some(Problem { camera, target, .. }) = &problem {
-            Known { board: Some(target.board), image: Some([camera.width(), camera.height()]), images }
+            Known { board: Some(target.board.clone()), image: Some([camera.width(), camera.height()]), images }
         } else {
-            let board = arguments.board.zip(arguments.square).map(|([columns, rows], square)| Board {
-                columns: columns as usize,
-                rows: rows as usize,
-                square: square / 1e3,
-            });
+            let board = arguments
+                .board
+                .zip(arguments.square)
+                .map(|([columns, rows], square)| Board::checkerboard(columns as usize, rows as usize, square / 1e3));
             Known { board, image: arguments.image, images }
         };
         let request = |problem: &Problem, &(accuracy, requested): &(Accuracy, f64)| match accuracy {

@@ -312,6 +312,7 @@ impl<'a> Evidence<'a> {
 /// `X_CT` and the corners seen of the views taken already.
 fn captured(problem: &Problem) -> Result<Vec<(Pose, Corners)>, CertifyError> {
     let corners: Vec<Point3<f64>> = problem.target.board.corners().collect();
+    let markers = problem.target.board.markers();
     let least = problem.visibility.min_corners.unwrap_or(corners.len());
     let views = problem.constraints.captured.iter().enumerate();
     views
@@ -320,7 +321,10 @@ fn captured(problem: &Problem) -> Result<Vec<(Pose, Corners)>, CertifyError> {
             let is_seen = |corner: &Point3<f64>| {
                 problem.camera.project(&(X_CT * corner)).is_some_and(|pixel| problem.camera.contains(&pixel, 0.0))
             };
-            let seen: Vec<usize> = (0..corners.len()).filter(|&i| is_seen(&corners[i])).collect();
+            let is_cut = |i: usize| {
+                markers.iter().any(|marker| marker.corners.contains(&i) && !marker.outline.iter().all(is_seen))
+            };
+            let seen: Vec<usize> = (0..corners.len()).filter(|&i| is_seen(&corners[i]) && !is_cut(i)).collect();
             let faces_camera = (X_CT.rotation * Vector3::z()).dot(&X_CT.translation.vector) < 0.0;
             if !faces_camera || seen.len() < least {
                 return Err(CertifyError::CapturedUnseen { view: view + 1 });
