@@ -131,7 +131,7 @@ mod tests {
 
     use super::*;
     use crate::camera::Lens;
-    use crate::target::{Board, Zone};
+    use crate::target::{AprilGrid, Charuco, Dictionary, Zone};
 
     const BOARD: Board = Board::checkerboard(4, 3, 0.03);
 
@@ -149,10 +149,15 @@ mod tests {
 
     /// What a pinhole camera of 640 × 480 px with a focal length of 500 px sees.
     fn seen(limits: &VisibilityLimits, X_CT: &Pose) -> Result<Corners, Rejection> {
+        seen_of(BOARD, limits, X_CT)
+    }
+
+    fn seen_of(board: Board, limits: &VisibilityLimits, X_CT: &Pose) -> Result<Corners, Rejection> {
         let camera = Camera::new(Lens::Pinhole, 640, 480, &[500.0, 500.0, 319.5, 239.5]).unwrap();
         let zone = Zone { width: 1.0, height: 1.0, edge_margin: 0.0 };
-        let target = Target { board: BOARD, X_BT: Pose::identity(), zone };
-        visible_corners(&camera, &target, limits, &BOARD.corners().collect::<Vec<_>>(), &[], X_CT)
+        let (corners, markers): (Vec<_>, _) = (board.corners().collect(), board.markers());
+        let target = Target { board, X_BT: Pose::identity(), zone };
+        visible_corners(&camera, &target, limits, &corners, &markers, X_CT)
     }
 
     /// The board's centre at `p` in C, its printed side towards −z but turned by `r`.
@@ -251,5 +256,50 @@ mod tests {
         // Corners that are not seen have no neighbours: those in sight are 30 px apart whatever the lens does to the others.
         let limits = VisibilityLimits { min_corner_spacing: 29.0, ..part(9) };
         assert_eq!(seen(&limits, &aside).map(|seen| seen.indices(12).len()), Ok(9));
+    }
+
+    /// At 0.5 m a pixel is 1 mm, and the right border is 319.5 mm from the optical axis.
+    #[test]
+    fn corners_count_where_their_markers_are_read() {
+        let dictionary = Dictionary::named("DICT_4X4_50").unwrap();
+        let charuco = Charuco::new([5, 4], 0.04, 0.03, dictionary, false).unwrap();
+        let grid = AprilGrid::new([3, 2], 0.04, 0.25).unwrap();
+        let part = VisibilityLimits { min_corners: Some(4), ..NONE };
+        let corners = |of: Board, limits: &VisibilityLimits, x: f64| {
+            let count = of.corner_count();
+            seen_of(of, limits, &board([x, 0.0, 0.5], [0.0; 3])).map(|seen| seen.indices(count))
+        };
+        let columns = |kept: &dyn Fn(usize) -> bool, of: usize, count: usize| -> Vec<usize> {
+            (0..count).filter(|i| kept(i % of)).collect()
+        };
+        // The last column of squares has markers that end 95 mm from the middle, the last but one such that end at 55 mm.
+        let of = |x: f64| corners(Board::Charuco(charuco), &part, x);
+        assert_eq!(of(0.2244), Ok(columns(&|_| true, 4, 12)));
+        assert_eq!(
+            of(0.2246),
+            Ok(columns(&|column| column < 3, 4, 12)),
+            "the corners at 60 mm lost one of their markers"
+        );
+        assert_eq!(of(0.2644), Ok(columns(&|column| column < 3, 4, 12)));
+        assert_eq!(
+            of(0.2646),
+            Ok(columns(&|column| column < 2, 4, 12)),
+            "the corners at 20 mm are in sight all the same"
+        );
+        // Tags end at 70, 20 and −30 mm.
+        let of = |x: f64| corners(Board::AprilGrid(grid), &part, x);
+        assert_eq!(of(0.2494), Ok(columns(&|_| true, 6, 24)));
+        assert_eq!(of(0.2496), Ok(columns(&|column| column < 4, 6, 24)));
+        assert_eq!(of(0.2996), Ok(columns(&|column| column < 2, 6, 24)));
+        assert_eq!(of(0.3496), Err(Rejection::OutsideImage));
+        // Markers are 30 px wide, tags 40 px.
+        let small = |min_marker| VisibilityLimits { min_marker, ..part };
+        assert!(corners(Board::Charuco(charuco), &small(29.9), 0.0).is_ok());
+        assert_eq!(corners(Board::Charuco(charuco), &small(30.1), 0.0), Err(Rejection::CornerSpacing));
+        assert_eq!(corners(Board::AprilGrid(grid), &small(40.1), 0.0), Err(Rejection::CornerSpacing));
+        // Where all are asked for, all markers must be read.
+        let whole = VisibilityLimits { min_corners: None, ..part };
+        assert!(corners(Board::Charuco(charuco), &whole, 0.2244).is_ok());
+        assert_eq!(corners(Board::Charuco(charuco), &whole, 0.2246), Err(Rejection::OutsideImage));
     }
 }

@@ -49,7 +49,7 @@ fn main() {
             let views = views.clone();
             let begin = Instant::now();
             // Checking the detections is part of it, as it is of OpenCV's.
-            let observations = Observations::new(board, width, height, views).unwrap();
+            let observations = Observations::new(board.clone(), width, height, views).unwrap();
             let found = calibrate(&observations, &nominal, &estimated, &settings).unwrap();
             seconds.push(begin.elapsed().as_secs_f64());
             last = Some(found);
