@@ -3,6 +3,7 @@
 
 use calipose::calibration::{CalibrationSettings, Observations, calibrate, start};
 use calipose::camera::{Camera, Lens};
+use calipose::information::{Noise, NoiseModel};
 use calipose::spatial::Pose;
 use calipose::target::Board;
 use calipose::verification::simulate;
@@ -29,7 +30,7 @@ fn observations(camera: &Camera) -> Observations {
         place * tilt * Pose::rotation(Vector3::new(std::f64::consts::PI, 0.0, 0.0))
     };
     let poses: Vec<Pose> = (0..20).map(pose).collect();
-    simulate(camera, &BOARD, &poses, 0.3, 1).unwrap()
+    simulate(camera, &BOARD, &poses, Noise { sigma: 0.3, model: NoiseModel::Constant }, 1).unwrap()
 }
 
 fn calibration(criterion: &mut Criterion) {

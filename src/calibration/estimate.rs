@@ -2,12 +2,13 @@
 
 use nalgebra::{DMatrix, Point3, Vector2};
 
+use super::normal_equations::Measurements;
 use super::observability::inverse_information;
 use super::observations::{Corner, Observations};
 use super::refinement::{Convergence, Refined};
 use super::{CalibrationError, CalibrationSettings, Loss, Ties};
 use crate::camera::Camera;
-use crate::information::Unknowns;
+use crate::information::{NoiseModel, Unknowns};
 use crate::spatial::Pose;
 
 /// A calibrated camera, the poses of its views, and how well they are known.
@@ -25,7 +26,10 @@ pub struct Calibration {
     /// information left after the poses; singular where some are tied. For a robust loss the weighted equations' information: exact without
     /// outliers in the limit of a wide scale.
     pub covariance: DMatrix<f64>,
-    /// Estimated standard deviation of one pixel coordinate of a corner of weight 1, px: from the cost and its degrees of freedom for
+    /// How the corners' scatter depends on how they are seen, by which they were weighed.
+    pub noise: NoiseModel,
+    /// Estimated standard deviation of one pixel coordinate of a corner of weight 1, under a model of noise that of a corner seen
+    /// square-on, px: from the cost and its degrees of freedom for
     /// [`Loss::Squared`], else from the median residual.
     pub sigma: f64,
     /// Root mean square length of all residuals, px; OpenCV's reprojection error.
@@ -60,12 +64,13 @@ pub struct Outlier {
     pub index: usize,
     /// Projection less detection, px.
     pub residual: Vector2<f64>,
-    /// Length of the residual over the standard deviation of one of its coordinates, taken from the median residual.
+    /// Length of the residual, whitened, over the standard deviation of one of its coordinates, taken from the median residual.
     pub standardised: f64,
 }
 
 pub(super) fn summarise(
     observations: &Observations,
+    measurements: &Measurements,
     refined: Refined,
     estimated: &[usize],
     settings: &CalibrationSettings,
@@ -76,8 +81,8 @@ pub(super) fn summarise(
     let information = information.ok_or(CalibrationError::UnobservablePose)?;
     let residuals = residuals(observations, &camera, &start.poses);
     let lengths: Vec<f64> = residuals.iter().flatten().map(Vector2::norm_squared).collect();
-    let weights = observations.views().iter().flatten().map(|corner| corner.weight);
-    let squares: Vec<f64> = lengths.iter().zip(weights).map(|(square, weight)| square * weight * weight).collect();
+    let whitened = residuals.iter().flatten().zip(&measurements.all);
+    let squares: Vec<f64> = whitened.map(|(&r, corner)| square(corner.whitening.whitened(r.into()))).collect();
     let free = settings.ties.free(estimated);
     let unknown = (free.len() + 6 * start.poses.len()) as f64;
     let measured = 2.0 * squares.len() as f64;
@@ -106,13 +111,14 @@ pub(super) fn summarise(
         estimated: estimated.to_vec(),
         ties: settings.ties,
         covariance,
+        noise: settings.noise,
         sigma,
         rms: (lengths.iter().sum::<f64>() / lengths.len() as f64).sqrt(),
         view_rms: residuals
             .iter()
             .map(|view| (view.iter().map(Vector2::norm_squared).sum::<f64>() / view.len() as f64).sqrt())
             .collect(),
-        outliers: outliers(observations, &residuals, robust_sigma, settings.outlier_threshold),
+        outliers: outliers(observations, &residuals, &squares, robust_sigma, settings.outlier_threshold),
         poses: start.poses,
         convergence,
     })
@@ -140,12 +146,24 @@ pub(super) fn check_fold(observations: &Observations, camera: &Camera, poses: &[
     Ok(())
 }
 
-fn outliers(observations: &Observations, residuals: &[Vec<Vector2<f64>>], sigma: f64, threshold: f64) -> Vec<Outlier> {
+fn square([x, y]: [f64; 2]) -> f64 {
+    x * x + y * y
+}
+
+/// `squares` are those of the whitened residuals, one after another.
+fn outliers(
+    observations: &Observations,
+    residuals: &[Vec<Vector2<f64>>],
+    squares: &[f64],
+    sigma: f64,
+    threshold: f64,
+) -> Vec<Outlier> {
     let mut outliers = Vec::new();
+    let mut squares = squares.iter();
     for (view, (corners, residuals)) in observations.views().iter().zip(residuals).enumerate() {
-        for (corner, residual) in corners.iter().zip(residuals) {
+        for ((corner, residual), square) in corners.iter().zip(residuals).zip(&mut squares) {
             // Where more than half the residuals are rounding, so is the deviation.
-            let standardised = residual.norm() * corner.weight / sigma.max(1e-9);
+            let standardised = square.sqrt() / sigma.max(1e-9);
             if standardised > threshold {
                 outliers.push(Outlier { view, index: corner.index, residual: *residual, standardised });
             }

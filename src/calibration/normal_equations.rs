@@ -1,7 +1,7 @@
 //! The normal equations of a calibration: an arrow.
 //!
 //! With `r_i` the residuals of view i (px), `A_i` their derivative by the intrinsics (2m×p) and `B_i` by the view's own
-//! pose (2m×6), all by the corner's weight and the loss's,
+//! pose (2m×6), all whitened by the corner's covariance and weight and times the loss's,
 //!
 //! ```text
 //!     [ U    W_1 … W_k ] [δθ ]     [g_θ]      U   = Σ A_iᵀA_i   p×p
@@ -12,12 +12,14 @@
 //!
 //! so that `δθ` follows from the p×p Schur complement `S = U − Σ W_i V_i⁻¹ W_iᵀ` and each `ξ_i` from `δθ`.
 
-use nalgebra::Vector2;
+use nalgebra::{Matrix2, Point3, Vector2};
 
 use super::factor::Factor;
 use super::loss::Loss;
+use super::observations::Observations;
 use super::ties::Ties;
 use crate::camera::Camera;
+use crate::information::{NoiseModel, Whitening};
 use crate::spatial::{Pose, Tangent};
 
 /// A corner as the equations need it.
@@ -27,8 +29,8 @@ pub(super) struct Measurement {
     pub(super) point: Vector2<f64>,
     /// Where it was seen, px.
     pub(super) pixel: Vector2<f64>,
-    /// Factor of its residual.
-    pub(super) weight: f64,
+    /// Of its residual.
+    pub(super) whitening: Whitening,
 }
 
 /// The measurements of all views in one row, with each view's end.
@@ -39,6 +41,38 @@ pub(super) struct Measurements {
 }
 
 impl Measurements {
+    /// The corners of all views, each by its weight alone.
+    pub(super) fn new(observations: &Observations) -> Self {
+        let mut all = Vec::with_capacity(observations.corner_count());
+        let mut ends = Vec::with_capacity(observations.views().len());
+        for view in observations.views() {
+            all.extend(view.iter().map(|c| Measurement {
+                point: observations.on_board(c),
+                pixel: c.pixel,
+                whitening: Whitening::NONE.weighted(c.weight),
+            }));
+            ends.push(all.len());
+        }
+        Self { all, ends }
+    }
+
+    /// The same, each corner by its scatter as `model` has it where `camera` sees it from `poses`, and by its weight.
+    pub(super) fn weighed(observations: &Observations, model: NoiseModel, camera: &Camera, poses: &[Pose]) -> Self {
+        let mut measurements = Self::new(observations);
+        let corners =
+            observations.views().iter().zip(poses).flat_map(|(view, pose)| view.iter().map(move |c| (c, pose)));
+        for (measurement, (corner, X_CT)) in measurements.all.iter_mut().zip(corners) {
+            let R = X_CT.rotation.to_rotation_matrix().into_inner();
+            let p_C = X_CT * Point3::from(measurement.point.push(0.0));
+            // What has no image is told of elsewhere.
+            let Some(projection) = camera.project_with_derivatives(&p_C) else { continue };
+            let by_place: Matrix2<f64> = projection.by_point * R.fixed_columns::<2>(0);
+            let feature = observations.board().feature(corner.index);
+            measurement.whitening = model.whitening(&feature, &by_place).weighted(corner.weight);
+        }
+        measurements
+    }
+
     pub(super) fn views(&self) -> impl Iterator<Item = &[Measurement]> {
         let mut start = 0;
         self.ends.iter().map(move |&end| &self.all[std::mem::replace(&mut start, end)..end])
@@ -109,21 +143,23 @@ impl<const P: usize> NormalEquations<P> {
                 let Some(projection) = camera.project_with_derivatives(&(arm + X_CT.translation.vector).into()) else {
                     return f64::INFINITY;
                 };
-                let r = projection.pixel - measurement.pixel;
-                let (ρ, slope) = loss.at(r.norm_squared() * measurement.weight * measurement.weight);
+                let r = measurement.whitening.whitened((projection.pixel - measurement.pixel).into());
+                let (ρ, slope) = loss.at(dot(&r, &r));
                 cost += ρ;
-                // Weighted equations: both sides by the corner's weight and the root of the loss's.
-                let root = measurement.weight * slope.sqrt();
+                // Weighted equations: both sides whitened, and times the root of the loss's weight.
+                let root = slope.sqrt();
+                let by_intrinsics = measurement.whitening.of_rows(&projection.by_intrinsics);
+                let by_point = measurement.whitening.of_rows(&projection.by_point);
                 let mut a = [[0.0; P]; 2];
                 let mut b = [[0.0; 6]; 2];
                 for row in 0..2 {
                     for j in 0..P {
-                        a[row][j] = root * projection.by_intrinsics[(row, j)];
+                        a[row][j] = root * by_intrinsics[(row, j)];
                     }
                     for &(j, leader) in &self.followers {
                         a[row][leader] += a[row][j];
                     }
-                    let J = projection.by_point.row(row) * root;
+                    let J = by_point.row(row) * root;
                     // ∂p_C/∂ω = −[arm]× and ∂p_C/∂v = 1.
                     b[row] = [
                         arm.y * J[2] - arm.z * J[1],
@@ -134,7 +170,7 @@ impl<const P: usize> NormalEquations<P> {
                         J[2],
                     ];
                 }
-                accumulate((&mut self.U, &mut self.g), blocks, &a, &b, [root * r.x, root * r.y]);
+                accumulate((&mut self.U, &mut self.g), blocks, &a, &b, r.map(|r| root * r));
             }
         }
         self.hold_fixed();

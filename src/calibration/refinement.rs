@@ -1,8 +1,7 @@
 //! Levenberg–Marquardt over the intrinsics and all poses.
 
 use super::loss::Loss;
-use super::normal_equations::{Measurement, Measurements, NormalEquations, Step};
-use super::observations::Observations;
+use super::normal_equations::{Measurements, NormalEquations, Step};
 use super::start::Start;
 use super::ties::Ties;
 use crate::camera::{Camera, MAX_INTRINSICS};
@@ -88,26 +87,25 @@ pub(super) struct Sought<'a> {
 }
 
 pub(super) fn refine(
-    observations: &Observations,
+    measurements: &Measurements,
     start: Start,
     sought: Sought<'_>,
     settings: &RefinementSettings,
 ) -> Refined {
     match start.camera.intrinsics().len() {
-        4 => refine_sized::<4>(observations, start, sought, settings),
-        8 => refine_sized::<8>(observations, start, sought, settings),
-        9 => refine_sized::<9>(observations, start, sought, settings),
-        _ => refine_sized::<MAX_INTRINSICS>(observations, start, sought, settings),
+        4 => refine_sized::<4>(measurements, start, sought, settings),
+        8 => refine_sized::<8>(measurements, start, sought, settings),
+        9 => refine_sized::<9>(measurements, start, sought, settings),
+        _ => refine_sized::<MAX_INTRINSICS>(measurements, start, sought, settings),
     }
 }
 
 fn refine_sized<const P: usize>(
-    observations: &Observations,
+    measurements: &Measurements,
     start: Start,
     Sought { estimated, ties, one_to_one }: Sought<'_>,
     settings: &RefinementSettings,
 ) -> Refined {
-    let measurements = measurements(observations);
     let freedoms = ties.free(estimated).len() + 6 * start.poses.len();
     let excess = (2 * measurements.all.len()).saturating_sub(freedoms).max(1) as f64;
     let views = start.poses.len();
@@ -117,7 +115,7 @@ fn refine_sized<const P: usize>(
     let mut trial_poses = poses.clone();
     let mut step = Step::<P>::new(views);
 
-    let mut cost = equations.sum(&measurements, &camera, &poses, settings.loss);
+    let mut cost = equations.sum(measurements, &camera, &poses, settings.loss);
     let mut λ = FIRST_DAMPING;
     let mut growth = GROWTH;
     let mut last_decrement = f64::INFINITY;
@@ -144,7 +142,7 @@ fn refine_sized<const P: usize>(
             }
             let trial_cost = match trial.intrinsics() {
                 [fx, fy, ..] if *fx > 0.0 && *fy > 0.0 => {
-                    trial_equations.sum(&measurements, &trial, &trial_poses, settings.loss)
+                    trial_equations.sum(measurements, &trial, &trial_poses, settings.loss)
                 }
                 _ => f64::INFINITY,
             };
@@ -203,18 +201,4 @@ fn moved<const P: usize>(camera: &Camera, step: &Step<P>, one_to_one: bool) -> C
     }
     // What is no camera at all is for the caller to see by its focal lengths.
     extrapolated.with_intrinsics(extrapolated.intrinsics()).unwrap_or(extrapolated)
-}
-
-fn measurements(observations: &Observations) -> Measurements {
-    let mut all = Vec::with_capacity(observations.corner_count());
-    let mut ends = Vec::with_capacity(observations.views().len());
-    for view in observations.views() {
-        all.extend(view.iter().map(|c| Measurement {
-            point: observations.on_board(c),
-            pixel: c.pixel,
-            weight: c.weight,
-        }));
-        ends.push(all.len());
-    }
-    Measurements { all, ends }
 }

@@ -1,8 +1,6 @@
 //! Calibration by a loss whose scale nobody has to know.
 
-use super::{
-    Calibration, CalibrationError, CalibrationSettings, Loss, Observations, RefinementSettings, Ties, calibrate,
-};
+use super::{Calibration, CalibrationError, CalibrationSettings, Loss, Observations, RefinementSettings, calibrate};
 use crate::camera::Camera;
 
 /// Scale, px, of a robust loss before the noise is known.
@@ -22,7 +20,8 @@ pub enum LossKind {
     Cauchy,
 }
 
-/// Calibrates by a loss of that kind. A robust loss takes its scale from the noise, and the noise from a first calibration.
+/// Calibrates by a loss of that kind, else as `settings` say. A robust loss takes its scale from the noise, and the noise from a first
+/// calibration.
 ///
 /// # Errors
 /// As [`calibrate`].
@@ -31,11 +30,11 @@ pub fn calibrate_by(
     observations: &Observations,
     nominal: &Camera,
     estimated: &[usize],
-    ties: Ties,
+    settings: &CalibrationSettings,
 ) -> Result<Calibration, CalibrationError> {
     let with = |loss: Loss| {
-        let refinement = RefinementSettings { loss, ..RefinementSettings::default() };
-        let settings = CalibrationSettings { refinement, ties, ..CalibrationSettings::default() };
+        let refinement = RefinementSettings { loss, ..settings.refinement };
+        let settings = CalibrationSettings { refinement, ..*settings };
         calibrate(observations, nominal, estimated, &settings)
     };
     // The usual choices: about 95 % efficient under Gaussian noise.

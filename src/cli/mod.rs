@@ -7,6 +7,7 @@
 mod arguments;
 mod command;
 mod interrupt;
+mod known;
 mod loaded_plan;
 mod long_work;
 mod memory;
@@ -20,8 +21,8 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
 use arguments::ProblemArguments;
 use command::{
-    board, calibrate, certify, check, compare, completions, design, explain, figures, init, next, plan, polish, reach,
-    report, study, sweep, verify,
+    board, calibrate, certify, check, compare, completions, design, explain, figures, init, next, noise, plan, polish,
+    reach, report, study, sweep, verify,
 };
 use output::Screen;
 use output::failure::Failure;
@@ -87,6 +88,8 @@ enum Command {
     Report(report::ReportArguments),
     /// Draw the plots of a plan, each as a file fit for a paper
     Figures(figures::FiguresArguments),
+    /// Measure how far corners scatter, from repeated pictures of still scenes
+    Noise(noise::NoiseArguments),
     /// Count configurations, candidates and views, at one or several steps
     Sweep(sweep::SweepArguments),
     /// Simulate calibrations from a plan's poses and compare them with the prediction
@@ -201,6 +204,7 @@ fn run(command: &Command, screen: &mut Screen) -> Result<Verdict, Failure> {
         Command::Polish(arguments) => polish::run(arguments, screen).map(good),
         Command::Report(arguments) => report::run(arguments, screen).map(good),
         Command::Figures(arguments) => figures::run(arguments, screen).map(good),
+        Command::Noise(arguments) => noise::run(arguments, screen).map(good),
         Command::Sweep(arguments) => sweep::run(arguments, screen).map(good),
         Command::Verify(arguments) => verify::run(arguments, screen),
         Command::Certify(arguments) => certify::run(arguments, screen).map(good),

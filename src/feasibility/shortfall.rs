@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{Point3, Vector3};
 
-use super::visibility::{VisibilityLimits, cos_tilt};
+use super::visibility::{VisibilityLimits, cos_tilt, square_height};
 use crate::camera::Camera;
 use crate::spatial::Pose;
 use crate::target::{Board, Marker};
@@ -27,7 +27,7 @@ pub struct Measures {
     /// How far in px the outermost corner that must be seen is beyond the allowed part of the image; not positive inside, infinite
     /// where the lens model does not reach.
     pub overhang: f64,
-    /// Least distance in px of neighbouring corners; infinite where none are projected.
+    /// Least height in px of a square in the image; infinite where none are projected.
     pub spacing: f64,
     /// Greatest of the markers' least sides in px; infinite where there are none.
     pub marker: f64,
@@ -70,8 +70,8 @@ pub struct Sighting<'a> {
     corners: Vec<Point3<f64>>,
     /// How many of them must be in the image.
     least: usize,
-    /// Neighbours, at the board's corners and in its middle.
-    neighbours: Vec<[Point3<f64>; 2]>,
+    /// Corners with two neighbours, at the board's corners and in its middle.
+    squares: Vec<[Point3<f64>; 3]>,
     markers: Vec<Marker>,
 }
 
@@ -87,14 +87,15 @@ impl<'a> Sighting<'a> {
             .collect();
         let share = limits.min_corners.map_or(1.0, |least| least as f64 / board.corner_count() as f64);
         let least = ((share * corners.len() as f64).round() as usize).clamp(1, corners.len());
-        let mut neighbours = Vec::new();
+        let mut squares = Vec::new();
         for row in [0, rows / 2, rows - 1] {
             for column in [0, columns / 2, columns - 1] {
                 let corner = index(column, row);
-                neighbours.extend(board.neighbours(corner).map(|other| [corner, other].map(|i| board.corner(i))));
+                let [beside, above] = board.neighbours(corner);
+                squares.push([corner, beside, above].map(|i| board.corner(i)));
             }
         }
-        Self { camera, limits, corners, least, neighbours, markers: board.markers() }
+        Self { camera, limits, corners, least, squares, markers: board.markers() }
     }
 
     /// What the camera measures of the board at `X_CT`.
@@ -105,14 +106,15 @@ impl<'a> Sighting<'a> {
         let mut overhangs: Vec<f64> = self.corners.iter().map(|corner| self.overhang(&(X_CT * corner))).collect();
         overhangs.sort_by(f64::total_cmp);
         let pixel = |corner: &Point3<f64>| self.camera.project(&(X_CT * corner));
-        let between = |[a, b]: &[Point3<f64>; 2]| Some((pixel(a)? - pixel(b)?).norm());
+        let height = |[corner, beside, above]: &[Point3<f64>; 3]| {
+            let corner = pixel(corner)?;
+            let edge = |neighbour| pixel(neighbour).map(|neighbour| neighbour - corner);
+            square_height(edge(beside), edge(above))
+        };
         let side = |marker: &Marker| {
-            let next = marker.outline.iter().cycle().skip(1);
-            marker
-                .outline
-                .iter()
-                .zip(next)
-                .map(|(&a, &b)| between(&[a, b]))
+            let sides = marker.outline.iter().zip(marker.outline.iter().cycle().skip(1));
+            sides
+                .map(|(a, b)| Some((pixel(a)? - pixel(b)?).norm()))
                 .try_fold(f64::INFINITY, |least, side| Some(least.min(side?)))
         };
         Measures {
@@ -121,7 +123,7 @@ impl<'a> Sighting<'a> {
             tilt: arc_cosine(cos_tilt(X_CT)),
             off_axis: arc_cosine(to_board.z / distance),
             overhang: overhangs[self.least - 1],
-            spacing: self.neighbours.iter().filter_map(between).fold(f64::INFINITY, f64::min),
+            spacing: self.squares.iter().filter_map(height).fold(f64::INFINITY, f64::min),
             marker: self.markers.iter().filter_map(side).reduce(f64::max).unwrap_or(f64::INFINITY),
         }
     }

@@ -20,7 +20,7 @@ pub struct VisibilityLimits {
     pub min_distance: f64,
     /// Greatest distance in m from the camera to the board's centre.
     pub max_distance: f64,
-    /// Least distance in px of neighbouring corners in the image.
+    /// Least distance in px of neighbouring rows and columns of corners in the image: the height of the squares' parallelograms.
     pub min_corner_spacing: f64,
     /// Fewest corners that make a view, of a board that can be read in part; none where every corner must be seen.
     pub min_corners: Option<usize>,
@@ -116,13 +116,26 @@ pub(super) fn enough(target: &Target, least: usize, corners: Vec<usize>) -> Opti
     (corners.len() >= least && target.board.fix_homography(&corners)).then_some(Corners::Some(corners))
 }
 
-/// Whether a corner of a board and a neighbour, of those that `at` has an image of, are nearer in the image than `least` (px).
+/// Whether the surroundings of a corner, of those that `at` has an image of, are lower in the image than `least` (px).
 fn is_crowded<'p>(board: &Board, least: f64, at: impl Fn(usize) -> Option<&'p Vector2<f64>>) -> bool {
-    let too_close = |i: usize, j: usize| match (at(i), at(j)) {
-        (Some(a), Some(b)) => (a - b).norm() < least,
-        _ => false,
-    };
-    least > 0.0 && (0..board.corner_count()).any(|i| board.neighbours(i).into_iter().any(|j| too_close(i, j)))
+    least > 0.0
+        && (0..board.corner_count()).any(|i| {
+            let Some(corner) = at(i) else { return false };
+            let [beside, above] = board.neighbours(i).map(|j| at(j).map(|neighbour| neighbour - corner));
+            square_height(beside, above).is_some_and(|height| height < least)
+        })
+}
+
+/// The least height in px of the parallelogram that two edges of a square are in the image: how near to the next row or column its
+/// corners are. Of a single edge its length.
+pub(super) fn square_height(a: Option<Vector2<f64>>, b: Option<Vector2<f64>>) -> Option<f64> {
+    match (a, b) {
+        (Some(a), Some(b)) => {
+            let longer = a.norm().max(b.norm());
+            Some(if longer > 0.0 { a.perp(&b).abs() / longer } else { 0.0 })
+        }
+        (edge, other) => edge.or(other).map(|edge| edge.norm()),
+    }
 }
 
 #[cfg(test)]
@@ -239,6 +252,15 @@ mod tests {
             assert_eq!(seen(&limits, &X_CT), Err(Rejection::CornerSpacing), "{r:?}");
             assert_eq!(seen(&part, &X_CT), Err(Rejection::CornerSpacing), "{r:?}");
         }
+    }
+
+    #[test]
+    fn slanted_squares_are_as_high_as_their_rows_are_apart() {
+        // Edges of 20 px that meet at 30°.
+        let (along, slanted) = (Vector2::new(20.0, 0.0), Vector2::new(-20.0 * 0.75f64.sqrt(), 10.0));
+        assert!((square_height(Some(along), Some(slanted)).unwrap() - 10.0).abs() < 1e-12);
+        assert_eq!(square_height(None, Some(along)), Some(20.0));
+        assert_eq!(square_height(Some(Vector2::zeros()), Some(Vector2::zeros())), Some(0.0));
     }
 
     #[test]

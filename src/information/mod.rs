@@ -4,14 +4,18 @@ mod criterion;
 mod diversity;
 mod image_area;
 mod map_error;
+mod noise;
 mod unknowns;
+mod unweighted;
 mod view;
 mod weakest;
 mod zhang;
 
 pub use criterion::{Criterion, UnknownCriterion};
 pub use diversity::DiversityModel;
+pub use noise::{Noise, NoiseModel, NoiseName, Whitening};
 pub use unknowns::Unknowns;
+pub use unweighted::Unweighted;
 pub use view::Measurement;
 pub use weakest::{Weakest, weakest};
 pub use zhang::ZHANG_DIRECTIONS;

@@ -1,14 +1,14 @@
 //! Information of one view of the board.
 
-use nalgebra::{Matrix2x6, Point3};
+use nalgebra::{Matrix2, Matrix2x6, Matrix3, Point3, Vector3};
 use rayon::prelude::*;
 
-use super::Unknowns;
-use crate::camera::MAX_INTRINSICS;
+use super::{Noise, Unknowns, Whitening};
+use crate::camera::{IntrinsicsJacobian, MAX_INTRINSICS};
 use crate::selection::InformationSet;
 use crate::selection::packed::packed_len;
 use crate::spatial::{Pose, skew};
-use crate::target::Corners;
+use crate::target::{Board, Corners, Feature};
 
 /// What is observed, how well, and what is to be learnt from it.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,52 +17,80 @@ pub struct Measurement<'a> {
     pub unknowns: Unknowns<'a>,
     /// All corners of the board, in T (m).
     pub corners: Vec<Point3<f64>>,
-    /// Standard deviation of a detected corner in px, in each direction.
-    pub noise: f64,
+    /// What each of them is.
+    pub features: Vec<Feature>,
+    /// How far they scatter.
+    pub noise: Noise,
+}
+
+/// A corner's pixel by what it depends on.
+pub(super) struct Derivatives {
+    pub(super) by_intrinsics: IntrinsicsJacobian,
+    /// By `(ω, v)`.
+    pub(super) by_pose: Matrix2x6<f64>,
+    pub(super) whitening: Whitening,
 }
 
 const POSE: usize = 6;
 const MOST_COLUMNS: usize = POSE + MAX_INTRINSICS;
 
-impl Measurement<'_> {
+impl<'a> Measurement<'a> {
+    /// Of a board's corners.
+    pub fn new(unknowns: Unknowns<'a>, board: &Board, noise: Noise) -> Self {
+        let features = (0..board.corner_count()).map(|i| board.feature(i)).collect();
+        Self { unknowns, corners: board.corners().collect(), features, noise }
+    }
+
     /// Information that the view of the corners `seen` from `X_CT` gives on the p estimated intrinsics once the view's own pose is
     /// eliminated, p×p packed: the Schur complement `(AᵀA − AᵀB (BᵀB)⁻¹ BᵀA) / σ²` of the normal matrix, where A (2m×p)
-    /// and B (2m×6) are the residual Jacobians by the intrinsics and by the pose.
+    /// and B (2m×6) are the residual Jacobians by the intrinsics and by the pose, whitened by the corners' covariances.
     ///
     /// `None` if a corner has no image or the corners do not determine the pose.
     pub(crate) fn information(&self, X_CT: &Pose, seen: &Corners) -> Option<Vec<f64>> {
-        match seen {
-            Corners::All => self.information_of(X_CT, self.corners.iter()),
-            Corners::Some(indices) => self.information_of(X_CT, indices.iter().map(|&i| &self.corners[i])),
-        }
-    }
-
-    fn information_of<'c>(&self, X_CT: &Pose, corners: impl Iterator<Item = &'c Point3<f64>>) -> Option<Vec<f64>> {
         let mut elimination = Elimination::new(self.unknowns.len());
-        for corner in corners {
-            // The pose is perturbed about the board's centre (see `spatial::perturb`).
-            let arm = X_CT.rotation * corner.coords;
-            let projection = self.unknowns.camera.project_with_derivatives(&(X_CT * corner))?;
-            let mut B = Matrix2x6::zeros();
-            B.fixed_columns_mut::<3>(0).copy_from(&(-projection.by_point * skew(&arm)));
-            B.fixed_columns_mut::<3>(3).copy_from(&projection.by_point);
-            for r in 0..2 {
-                let mut row = [0.0; MOST_COLUMNS];
-                for j in 0..POSE {
-                    row[j] = B[(r, j)];
-                }
-                for (j, &parameter) in self.unknowns.estimated.iter().enumerate() {
-                    row[POSE + j] = projection.by_intrinsics[(r, parameter)];
-                }
-                elimination.add(row);
-            }
-        }
-        let scale = 1.0 / (self.noise * self.noise);
+        match seen {
+            Corners::All => self.add(&mut elimination, X_CT, 0..self.corners.len()),
+            Corners::Some(indices) => self.add(&mut elimination, X_CT, indices.iter().copied()),
+        }?;
+        let scale = 1.0 / (self.noise.sigma * self.noise.sigma);
         let mut information = elimination.finish()?;
         for entry in &mut information {
             *entry *= scale;
         }
         Some(information)
+    }
+
+    /// Adds the rows of the corners with those indices; `None` if one has no image.
+    fn add(&self, elimination: &mut Elimination, X_CT: &Pose, corners: impl Iterator<Item = usize>) -> Option<()> {
+        let R = X_CT.rotation.to_rotation_matrix().into_inner();
+        for i in corners {
+            let Derivatives { by_intrinsics, by_pose, whitening } =
+                self.derivatives(i, &R, &X_CT.translation.vector)?;
+            let [mut u, mut v] = [[0.0; MOST_COLUMNS]; 2];
+            for j in 0..POSE {
+                [u[j], v[j]] = whitening.whitened(by_pose.column(j).into());
+            }
+            for (j, &parameter) in self.unknowns.estimated.iter().enumerate() {
+                [u[POSE + j], v[POSE + j]] = whitening.whitened(by_intrinsics.column(parameter).into());
+            }
+            elimination.add(u);
+            elimination.add(v);
+        }
+        Some(())
+    }
+
+    /// The derivatives of a corner's pixel by its index, seen from `X_CT = (R, t)`; `None` if it has no image.
+    #[inline]
+    pub(super) fn derivatives(&self, i: usize, R: &Matrix3<f64>, t: &Vector3<f64>) -> Option<Derivatives> {
+        // The pose is perturbed about the board's centre (see `spatial::perturb`).
+        let arm = R * self.corners[i].coords;
+        let projection = self.unknowns.camera.project_with_derivatives(&(arm + t).into())?;
+        let mut by_pose = Matrix2x6::zeros();
+        by_pose.fixed_columns_mut::<3>(0).copy_from(&(-projection.by_point * skew(&arm)));
+        by_pose.fixed_columns_mut::<3>(3).copy_from(&projection.by_point);
+        let by_place: Matrix2<f64> = projection.by_point * R.fixed_columns::<2>(0);
+        let whitening = self.noise.model.whitening(&self.features[i], &by_place);
+        Some(Derivatives { by_intrinsics: projection.by_intrinsics, by_pose, whitening })
     }
 
     /// Information of many views, each from its `X_CT` and of the corners seen, in their order; `None` as for one.
@@ -176,9 +204,11 @@ mod tests {
 
     use super::*;
     use crate::camera::{Camera, Lens};
+    use crate::information::NoiseModel;
     use crate::selection::packed::unpack;
     use crate::spatial::{Tangent, perturb};
-    use crate::target::Board;
+
+    const NOISE: Noise = Noise { sigma: 0.3, model: NoiseModel::Constant };
 
     /// Against the definition: Jacobians by central differences, the pose projected out with a thin QR.
     #[test]
@@ -190,7 +220,7 @@ mod tests {
         let X_CT = Pose::new(Vector3::new(0.05, -0.03, 0.6), Vector3::new(2.8, 0.2, -0.3));
         let estimated = [0, 1, 2, 3, 4, 5, 8];
         let unknowns = Unknowns { camera: &camera, estimated: &estimated };
-        let measurement = Measurement { unknowns, corners: corners.clone(), noise: 0.3 };
+        let measurement = Measurement::new(unknowns, &board, NOISE);
         let image = |camera: &Camera, X_CT: &Pose| -> Vec<f64> {
             corners.iter().flat_map(|p| camera.project(&(X_CT * p)).unwrap().data.0[0]).collect()
         };
@@ -232,9 +262,9 @@ mod tests {
         let camera = Camera::new(Lens::Pinhole, 1280, 720, &[1000.0, 1000.0, 639.5, 359.5]).unwrap();
         let X_CT = Pose::new(Vector3::new(0.05, -0.03, 0.6), Vector3::new(2.8, 0.2, -0.3));
         for (columns, rows, determined) in [(8, 2, true), (8, 1, false), (1, 6, false)] {
-            let corners = Board::checkerboard(columns, rows, 0.035).corners().collect();
+            let board = Board::checkerboard(columns, rows, 0.035);
             let unknowns = Unknowns { camera: &camera, estimated: &[0, 1] };
-            let measurement = Measurement { unknowns, corners, noise: 0.3 };
+            let measurement = Measurement::new(unknowns, &board, NOISE);
             assert_eq!(measurement.information(&X_CT, &Corners::All).is_some(), determined, "{columns} × {rows}");
         }
     }
@@ -248,7 +278,7 @@ mod tests {
         let corners: Vec<_> = board.corners().collect();
         let estimated = [0, 1, 2, 3, 4, 5, 6, 7, 8];
         let unknowns = Unknowns { camera: &camera, estimated: &estimated };
-        let measurement = Measurement { unknowns, corners: corners.clone(), noise: 0.3 };
+        let measurement = Measurement::new(unknowns, &board, NOISE);
         let X_CT = Pose::new(Vector3::new(0.001, -0.002, 0.8), Vector3::new(2.7, 0.3, -0.4));
         let mut J = DMatrix::zeros(2 * corners.len(), POSE + 9);
         for (c, corner) in corners.iter().enumerate() {

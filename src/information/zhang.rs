@@ -36,13 +36,17 @@ impl Measurement<'_> {
         let h: [Vector3<f64>; 3] = [R.matrix().column(0).into(), R.matrix().column(1).into(), X_CT.translation.vector];
         // Normal matrix of the homography's nine entries, column by column.
         let mut N = SMatrix::<f64, 9, 9>::zeros();
-        for corner in seen.indices(self.corners.len()).into_iter().map(|i| &self.corners[i]) {
+        for i in seen.indices(self.corners.len()) {
+            let corner = &self.corners[i];
             let by_point = self.unknowns.camera.project_with_derivatives(&(X_CT * corner))?.by_point;
+            let by_place: Matrix2<f64> = by_point * R.matrix().fixed_columns::<2>(0);
+            let whitening = self.noise.model.whitening(&self.features[i], &by_place);
+            let by_point = whitening.of_rows(&by_point) / self.noise.sigma;
             let mut A = SMatrix::<f64, 2, 9>::zeros();
             for (c, factor) in [corner.x, corner.y, 1.0].into_iter().enumerate() {
                 A.fixed_columns_mut::<3>(3 * c).copy_from(&(by_point * factor));
             }
-            N += A.transpose() * A / (self.noise * self.noise);
+            N += A.transpose() * A;
         }
         // The corners do not see the homography's scale, and the constraints do not depend on it: any variance will do.
         let scale = SMatrix::<f64, 9, 1>::from_iterator(h.iter().flat_map(|h| h.iter().copied())).normalize();
@@ -93,8 +97,9 @@ mod tests {
 
     use super::*;
     use crate::camera::{Camera, Lens};
-    use crate::information::Unknowns;
+    use crate::information::{Noise, NoiseModel, Unknowns};
     use crate::selection::packed::unpack;
+    use crate::target::Board;
 
     /// Homographies of noisy corners, by linearised least squares about the true one; b by weighted least squares with the
     /// `Σ_i` of the definition. Its scatter is the inverse of the sum of the views' matrices.
@@ -102,12 +107,11 @@ mod tests {
     #[ignore = "slow: in the full set, `cargo test -- --ignored`"]
     fn it_predicts_the_scatter_of_the_closed_form() {
         let camera = Camera::new(Lens::Pinhole, 1280, 720, &[1000.0, 1000.0, 639.5, 359.5]).unwrap();
-        let corners: Vec<Point3<f64>> = (0..48)
-            .map(|i| Point3::new(f64::from(i % 8) * 0.035 - 0.12, f64::from(i / 8) * 0.035 - 0.09, 0.0))
-            .collect();
+        let board = Board::checkerboard(8, 6, 0.035);
+        let corners: Vec<Point3<f64>> = board.corners().collect();
         let noise = 0.2;
         let unknowns = Unknowns { camera: &camera, estimated: &[0, 1, 2, 3] };
-        let measurement = Measurement { unknowns, corners: corners.clone(), noise };
+        let measurement = Measurement::new(unknowns, &board, Noise { sigma: noise, model: NoiseModel::Constant });
         let pose = |i: usize| {
             let angle = i as f64 * 1.3;
             let tilt = Vector3::new(0.6 * angle.cos(), 0.6 * angle.sin(), 0.3 * angle);

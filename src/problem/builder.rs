@@ -302,7 +302,7 @@ mod tests {
         assert_eq!(problem.camera.intrinsics(), [500.0, 501.0, 320.0, 240.0, -0.1, 0.0, 0.0, 1e-3, 0.0]);
         assert!((problem.robot.X_FC.translation.vector.z - 0.02).abs() < 1e-12);
         assert!((problem.target.X_BT.translation.vector.z + 0.5).abs() < 1e-12);
-        assert_eq!((problem.noise, problem.selection.goal.count()), (0.25, Some(10)));
+        assert_eq!((problem.noise.sigma, problem.selection.goal.count()), (0.25, Some(10)));
         // The file that it writes states the same.
         let text = builder().to_toml();
         assert_eq!(Problem::parse(&text, Path::new("two joints")).unwrap(), problem);

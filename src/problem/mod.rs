@@ -36,7 +36,7 @@ use std::path::{Path, PathBuf};
 use crate::camera::Camera;
 use crate::feasibility::{Checks, Stability, VisibilityLimits};
 use crate::formats::read_at_most;
-use crate::information::{Measurement, Unknowns};
+use crate::information::{Measurement, Noise, Unknowns};
 use crate::robot::Robot;
 use crate::sweep::{AxisRule, JointSpace};
 use crate::target::Target;
@@ -76,8 +76,8 @@ pub struct Problem {
     pub clearance: f64,
     /// What the robot stands on, where its stability is to be tested.
     pub stability: Option<Stability>,
-    /// Standard deviation of a detected corner in px, in each direction.
-    pub noise: f64,
+    /// How far detected corners scatter.
+    pub noise: Noise,
     /// The intrinsics to estimate: indices into the camera's, ascending.
     pub estimated: Vec<usize>,
     /// Standard deviations known beforehand, of estimated intrinsics by index among them.
@@ -151,7 +151,7 @@ impl Problem {
 
     /// What a view measures.
     pub fn measurement(&self) -> Measurement<'_> {
-        Measurement { unknowns: self.unknowns(), corners: self.target.board.corners().collect(), noise: self.noise }
+        Measurement::new(self.unknowns(), &self.target.board, self.noise)
     }
 
     /// The problem that the file at `path` states.

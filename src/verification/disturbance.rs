@@ -7,6 +7,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::simulation::{Scene, trial_seed};
 use crate::camera::Camera;
+use crate::information::Noise;
 use crate::robot::{JointKind, Robot};
 use crate::spatial::Pose;
 use crate::target::{Corners, Target};
@@ -40,8 +41,8 @@ pub struct Nominal<'a> {
     pub camera: &'a Camera,
     /// The board.
     pub target: &'a Target,
-    /// Standard deviation of a pixel coordinate, px.
-    pub sigma: f64,
+    /// How far corners scatter.
+    pub noise: Noise,
 }
 
 /// Separates these draws from those of the pixel noise.
@@ -51,7 +52,7 @@ impl Disturbance {
     /// The scene of one trial: what the camera meets when the robot is told the joint values `planned`, and which corners the
     /// plan expects to see there.
     pub fn scene(&self, nominal: &Nominal<'_>, planned: &[(&Vec<f64>, &Corners)], seed: u64, trial: usize) -> Scene {
-        let Nominal { robot, camera, target, sigma } = *nominal;
+        let Nominal { robot, camera, target, noise } = *nominal;
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(trial_seed(seed ^ STREAM, trial));
         let mut normal = |deviation: f64| deviation * rng.sample::<f64, _>(StandardNormal);
         let mut θ = camera.intrinsics().to_vec();
@@ -86,7 +87,8 @@ impl Disturbance {
             1.0 + with_tilt + with_distance
         };
         Scene {
-            sigma: poses.iter().map(|X_CT| sigma * growth(X_CT)).collect(),
+            sigma: poses.iter().map(|X_CT| noise.sigma * growth(X_CT)).collect(),
+            noise: noise.model,
             poses,
             seen: planned.iter().map(|&(_, seen)| seen.clone()).collect(),
             camera: camera.with_intrinsics(&θ).unwrap_or_else(|_| camera.clone()),

@@ -13,6 +13,7 @@ pub use chi_square::deviation_interval;
 pub use disturbance::{Disturbance, Nominal};
 pub use judgement::Judgement;
 pub use monte_carlo::{
-    Failure, MapError, MonteCarlo, MonteCarloError, ParameterStatistics, Prediction, TrialFailure, Trials, monte_carlo,
+    Failure, MapError, MonteCarlo, MonteCarloError, ParameterStatistics, Prediction, TrialFailure, Trials, Weighing,
+    monte_carlo,
 };
 pub use simulation::{Scene, simulate};

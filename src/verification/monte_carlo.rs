@@ -33,6 +33,16 @@ pub struct Trials<'a> {
     pub seed: u64,
 }
 
+/// How the simulated sets are calibrated, where the corners scatter unequally.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Weighing {
+    /// By weights as the problem's noise has them.
+    #[default]
+    Weighted,
+    /// Without, as OpenCV's `calibrateCamera` does.
+    Unweighted,
+}
+
 /// What was predicted for the plan, p×p in the order of the unknowns.
 #[derive(Debug, Clone, Copy)]
 pub struct Prediction<'a> {
@@ -282,6 +292,7 @@ mod tests {
     use super::*;
     use crate::calibration::{Start, refine};
     use crate::camera::{Camera, Lens};
+    use crate::information::{Noise, NoiseModel};
     use crate::target::Corners;
 
     const BOARD: Board = Board::checkerboard(8, 6, 0.035);
@@ -304,7 +315,8 @@ mod tests {
 
     /// The covariance at the truth: that of a refinement of noise-free corners, brought to `sigma`.
     fn predicted(estimated: &[usize], sigma: f64) -> DMatrix<f64> {
-        let observations = crate::verification::simulate(&camera(), &BOARD, &poses(), 1e-4, 0).unwrap();
+        let noise = Noise { sigma: 1e-4, model: NoiseModel::Constant };
+        let observations = crate::verification::simulate(&camera(), &BOARD, &poses(), noise, 0).unwrap();
         let start = Start { camera: camera(), poses: poses() };
         let found = refine(&observations, start, estimated, &CalibrationSettings::default()).unwrap();
         found.covariance * (sigma / found.sigma).powi(2)
@@ -325,6 +337,7 @@ mod tests {
                 poses: poses.clone(),
                 seen: vec![Corners::All; poses.len()],
                 sigma: vec![sigma; poses.len()],
+                noise: NoiseModel::Constant,
                 missing: 0.0,
             },
             settings: CalibrationSettings::default(),
@@ -369,6 +382,7 @@ mod tests {
                 poses: poses.to_vec(),
                 seen: vec![Corners::All; poses.len()],
                 sigma: vec![0.3; poses.len()],
+                noise: NoiseModel::Constant,
                 missing: 0.0,
             },
             settings: CalibrationSettings::default(),

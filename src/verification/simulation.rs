@@ -1,6 +1,6 @@
 //! Simulated detections.
 
-use nalgebra::{Point3, Vector2};
+use nalgebra::{Matrix2, Point3};
 use rand::{Rng, RngCore, SeedableRng};
 use rand_distr::StandardNormal;
 use rand_xoshiro::{SplitMix64, Xoshiro256PlusPlus};
@@ -8,6 +8,7 @@ use rand_xoshiro::{SplitMix64, Xoshiro256PlusPlus};
 use crate::calibration::{Corner, FEWEST_CORNERS, ObservationError, Observations, View};
 use crate::camera::Camera;
 use crate::feasibility::told_in_image;
+use crate::information::{Noise, NoiseModel, Whitening};
 use crate::spatial::Pose;
 use crate::target::{Board, Corners};
 
@@ -20,8 +21,10 @@ pub struct Scene {
     pub poses: Vec<Pose>,
     /// The corners to see in each view; others are hidden.
     pub seen: Vec<Corners>,
-    /// Standard deviation of a pixel coordinate in each view, px.
+    /// Standard deviation of a pixel coordinate in each view, px; under a model of noise that of a corner seen square-on.
     pub sigma: Vec<f64>,
+    /// How a corner's scatter depends on how it is seen.
+    pub noise: NoiseModel,
     /// Chance of each corner to go undetected.
     pub missing: f64,
 }
@@ -47,7 +50,8 @@ impl Scene {
                 if self.missing > 0.0 && rng.gen_bool(self.missing) {
                     return None;
                 }
-                let noise = Vector2::new(rng.sample(StandardNormal), rng.sample(StandardNormal));
+                let normal = [rng.sample(StandardNormal), rng.sample(StandardNormal)];
+                let noise = self.whitening(board, index, &p_T, X_CT)?.coloured(normal);
                 Some(Corner { index, pixel: pixel + noise * *sigma, weight: 1.0 })
             };
             views.push(board.corners().enumerate().filter_map(&mut see).collect());
@@ -55,10 +59,19 @@ impl Scene {
         views.retain(|view| view.len() >= FEWEST_CORNERS);
         Observations::new(board.clone(), self.camera.width(), self.camera.height(), views)
     }
+
+    fn whitening(&self, board: &Board, index: usize, p_T: &Point3<f64>, X_CT: &Pose) -> Option<Whitening> {
+        if self.noise == NoiseModel::Constant {
+            return Some(Whitening::NONE);
+        }
+        let projection = self.camera.project_with_derivatives(&(X_CT * p_T))?;
+        let R = X_CT.rotation.to_rotation_matrix();
+        let by_place: Matrix2<f64> = projection.by_point * R.matrix().fixed_columns::<2>(0);
+        Some(self.noise.whitening(&board.feature(index), &by_place))
+    }
 }
 
-/// The corners of `board` that `camera` sees at the poses `X_CT`, each coordinate with Gaussian noise of `sigma` px: a
-/// [`Scene`] as planned.
+/// The corners of `board` that `camera` sees at the poses `X_CT`, with Gaussian `noise`: a [`Scene`] as planned.
 ///
 /// # Errors
 /// As [`Scene::observe`].
@@ -66,14 +79,15 @@ pub fn simulate(
     camera: &Camera,
     board: &Board,
     poses: &[Pose],
-    sigma: f64,
+    noise: Noise,
     seed: u64,
 ) -> Result<Observations, ObservationError> {
     let scene = Scene {
         camera: camera.clone(),
         poses: poses.to_vec(),
         seen: vec![Corners::All; poses.len()],
-        sigma: vec![sigma; poses.len()],
+        sigma: vec![noise.sigma; poses.len()],
+        noise: noise.model,
         missing: 0.0,
     };
     scene.observe(board, seed)
@@ -97,13 +111,17 @@ mod tests {
         Camera::new(Lens::Pinhole, 1000, 1000, &[1000.0, 1000.0, 499.5, 499.5]).unwrap()
     }
 
+    fn noise(sigma: f64) -> Noise {
+        Noise { sigma, model: NoiseModel::Constant }
+    }
+
     #[test]
     fn noise_has_the_deviation_asked_for_and_repeats_with_its_seed() {
         let poses = vec![Pose::translation(0.0, 0.0, 1.0); 10];
-        let noisy = simulate(&camera(), &BOARD, &poses, 0.5, 7).unwrap();
-        assert_eq!(noisy, simulate(&camera(), &BOARD, &poses, 0.5, 7).unwrap());
-        assert_ne!(noisy, simulate(&camera(), &BOARD, &poses, 0.5, 8).unwrap());
-        let clean = simulate(&camera(), &BOARD, &poses, 0.0, 7).unwrap();
+        let noisy = simulate(&camera(), &BOARD, &poses, noise(0.5), 7).unwrap();
+        assert_eq!(noisy, simulate(&camera(), &BOARD, &poses, noise(0.5), 7).unwrap());
+        assert_ne!(noisy, simulate(&camera(), &BOARD, &poses, noise(0.5), 8).unwrap());
+        let clean = simulate(&camera(), &BOARD, &poses, noise(0.0), 7).unwrap();
         let pairs = noisy.views().iter().flatten().zip(clean.views().iter().flatten());
         let sum: f64 = pairs.map(|(a, b)| (a.pixel - b.pixel).norm_squared()).sum();
         // 8000 coordinates: the deviation is known to 0.8 %.
@@ -112,10 +130,10 @@ mod tests {
 
     #[test]
     fn corners_outside_the_image_are_missing() {
-        let half = simulate(&camera(), &BOARD, &[Pose::translation(0.5, 0.0, 1.0)], 0.0, 1).unwrap();
+        let half = simulate(&camera(), &BOARD, &[Pose::translation(0.5, 0.0, 1.0)], noise(0.0), 1).unwrap();
         assert_eq!(half.corner_count(), 200);
         let behind = Pose::new(Vector3::new(0.0, 0.0, -1.0), Vector3::zeros());
-        let error = simulate(&camera(), &BOARD, &[behind], 0.0, 1).unwrap_err();
+        let error = simulate(&camera(), &BOARD, &[behind], noise(0.0), 1).unwrap_err();
         assert_eq!(error, ObservationError::NoViews);
     }
 

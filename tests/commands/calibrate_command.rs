@@ -6,6 +6,7 @@ use std::process::Output;
 use calipose::calibration::Observations;
 use calipose::camera::{Camera, Lens};
 use calipose::formats::{Known, StatedCamera, read_camera_file, read_detections};
+use calipose::information::{Noise, NoiseModel};
 use calipose::spatial::Pose;
 use calipose::target::Board;
 use calipose::verification::simulate;
@@ -31,7 +32,7 @@ fn simulated() -> Observations {
         Pose::new(Vector3::new(0.18 * place.cos(), 0.11 * place.sin(), 0.5 + 0.01 * i as f64), rotation)
     };
     let poses: Vec<Pose> = (0..20).map(pose).collect();
-    simulate(&camera(), &BOARD, &poses, NOISE, 5).unwrap()
+    simulate(&camera(), &BOARD, &poses, Noise { sigma: NOISE, model: NoiseModel::Constant }, 5).unwrap()
 }
 
 /// Pixel of every corner of a view, if it was seen.

@@ -143,7 +143,7 @@ fn observations(plan: &Value, problem: &Problem) -> Value {
     let poses: Vec<_> = plan["poses"].as_array().unwrap().iter().map(pose).collect();
     let board = &problem.target.board;
     let (columns, rows, square) = board.grid().unwrap();
-    let seen = simulate(&problem.camera, &board, &poses, problem.noise, 4).unwrap();
+    let seen = simulate(&problem.camera, board, &poses, problem.noise, 4).unwrap();
     let views = seen.views().iter().enumerate().map(|(i, corners)| {
         let mut pixels = vec![Value::Null; board.corner_count()];
         for corner in corners {
@@ -173,6 +173,11 @@ fn every_document_is_as_its_schema_says() {
     }
     let problem = Problem::read(&desk.path("coarse.toml")).unwrap();
     std::fs::write(desk.path("seen.json"), observations(&plan, &problem).to_string()).unwrap();
+    let corner = |i: usize| (100 + 20 * (i % 8), 400 - 20 * (i / 8));
+    let twice = ["a", "b"].iter().zip([0.1, 0.0]).flat_map(|(name, moved)| {
+        (0..48).map(move |i| format!("{name}.png {} {} 0\n", corner(i).0 as f64 + moved * (i % 3) as f64, corner(i).1))
+    });
+    std::fs::write(desk.path("twice.vnl"), "# filename x y level\n".to_owned() + &twice.collect::<String>()).unwrap();
     std::fs::write(desk.path("study.toml"), "problems = [\"coarse.toml\"]\nchoose.counts = [9, 12]\n").unwrap();
     for line in [
         "report out/plan.json",
@@ -184,6 +189,7 @@ fn every_document_is_as_its_schema_says() {
         "next out/plan.json seen.json -k 2",
         "compare coarse.toml -k 9 --seeds 1 --limit 20 --trials 2",
         "calibrate seen.json --problem coarse.toml -o camera --map-error-px 9",
+        "noise twice.vnl --problem coarse.toml",
         "sweep coarse.toml --step 20",
         "sweep coarse.toml",
         "reach coarse.toml --distance-mm 400",

@@ -11,6 +11,7 @@ mod determinism;
 mod documents;
 mod explain_and_polish;
 mod next_poses;
+mod noise;
 mod overrides;
 mod reach;
 mod report;

@@ -17,7 +17,10 @@ import tempfile
 import tomllib
 
 import cv2
+import map_error
 import numpy as np
+
+map_error.cv2, map_error.np = cv2, np
 
 ROOT = pathlib.Path(__file__).parents[2]
 FINE = 5
@@ -109,16 +112,19 @@ def made_up(distance):
         yield cv2.Rodrigues(tilt)[0] @ np.diag([1.0, -1, -1]), np.array([0.03 * n - 0.08, 0.02 * (n % 3), distance])
 
 
-def simulate(poses, points, K, D, size, noise, rng):
-    """A table of the corners at the poses with Gaussian noise."""
+def simulate(poses, points, K, D, size, problem, rng):
+    """A table of the corners at the poses with Gaussian noise, as the problem states it."""
+    nominal, target, noise = map_error.Camera(problem["camera"]), problem["target"], problem["noise"]
     lines = [
         "## Simulated by tests/cross_check/corners_from_pictures.py: the views that the poses of a plan for",
-        f"## problems/servosila-engineer.toml give of its board, each coordinate with noise of {noise} px. Of no real camera.",
+        f"## problems/servosila-engineer.toml give of its board, with noise of {noise['sigma_px']} px. Of no real camera.",
         "# filename x y level",
     ]
     for n, (R, t) in enumerate(poses):
-        pixels = cv2.projectPoints(points, cv2.Rodrigues(R)[0], t, K, D)[0].reshape(-1, 2)
-        for x, y in pixels + rng.normal(0, noise, pixels.shape):
+        rvec = cv2.Rodrigues(R)[0]
+        pixels = cv2.projectPoints(points, rvec, t, K, D)[0].reshape(-1, 2)
+        W = map_error.whiteners(target, nominal, points, rvec, t.reshape(3, 1), noise)
+        for x, y in pixels + np.linalg.solve(W, rng.standard_normal(pixels.shape)[..., None])[..., 0]:
             inside = 0 <= x <= size[0] - 1 and 0 <= y <= size[1] - 1
             lines.append(f"view{n:02}.png {x:.3f} {y:.3f} 0" if inside else f"view{n:02}.png - - -")
     return "\n".join(lines) + "\n"

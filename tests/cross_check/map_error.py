@@ -66,6 +66,12 @@ class Camera:
         _, J = cv2.projectPoints(points, rvec, tvec, self.K, self.D if self.D.size else None)
         return J[:, 6:6 + len(self.names)], J[:, :6]
 
+    def project(self, points, rvec, tvec):
+        points = np.ascontiguousarray(points, dtype=float).reshape(-1, 1, 3)
+        if self.model == FISHEYE:
+            return cv2.fisheye.projectPoints(points, rvec, tvec, self.K, self.D)[0].reshape(-1, 2)
+        return cv2.projectPoints(points, rvec, tvec, self.K, self.D if self.D.size else None)[0].reshape(-1, 2)
+
     def rays(self, pixels):
         pixels = pixels.reshape(-1, 1, 2)
         criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 500, 1e-15)
@@ -85,17 +91,39 @@ def corners(target):
     return np.array([[a, b, 0.0] for b in y for a in x])
 
 
-def information(camera, board, board_pose, pose, sigma):
+def whiteners(target, camera, board, rvec, tvec, noise):
+    """W (2 x 2) of each corner, W^T W its inverse covariance: by the two edges that a detector's square window sees of a crossing."""
+    if noise.get("model", "edges") == "constant":
+        return np.broadcast_to(np.eye(2), (len(board), 2, 2)) / noise["sigma_px"]
+    window, step = noise.get("window_px", 5), 1e-7
+    places = [board, board + [step, 0, 0], board + [0, step, 0]]
+    centre, *moved = [camera.project(points, rvec, tvec) for points in places]
+    precision = np.zeros((len(board), 2, 2))
+    for along in moved:
+        edge = (along - centre) / step * target["square_mm"] / 1e3
+        length = np.linalg.norm(edge, axis=1)
+        normal = np.column_stack([-edge[:, 1], edge[:, 0]]) / length[:, None]
+        seen = np.minimum(window / np.abs(normal).max(axis=1), length)
+        precision += np.einsum("ji,jk,j->jik", normal, normal, seen / window)
+    return np.transpose(np.linalg.cholesky(precision), (0, 2, 1)) / noise["sigma_px"]
+
+
+def information(camera, target, board_pose, pose, noise):
     """The p x p information of one view on all intrinsics, its pose eliminated."""
+    board = corners(target)
     R_BT, t_BT = board_pose
     R_BC = rotation(pose["camera_in_base"]["quaternion_xyzw"])
     t_BC = np.array(pose["camera_in_base"]["position_m"])
     R, t = R_BC.T @ R_BT, R_BC.T @ (t_BT - t_BC)
     seen = pose.get("corners_seen")
-    A, B = camera.jacobians(board if seen is None else board[seen], cv2.Rodrigues(R)[0], t.reshape(3, 1))
+    rvec, tvec = cv2.Rodrigues(R)[0], t.reshape(3, 1)
+    board = board if seen is None else board[seen]
+    W = whiteners(target, camera, board, rvec, tvec, noise)
+    A, B = [np.einsum("jik,jkl->jil", W, J.reshape(len(board), 2, -1)).reshape(2 * len(board), -1)
+            for J in camera.jacobians(board, rvec, tvec)]
     Q = np.linalg.qr(B)[0]
     A = A - Q @ (Q.T @ A)
-    return A.T @ A / sigma**2
+    return A.T @ A
 
 
 def map_weight(camera, estimated):
@@ -120,8 +148,8 @@ def compare(problem_path, plan_path):
     estimated = [camera.names.index(name) for name in names]
     pose = problem["target"]["pose"]
     board_pose = from_rpy(pose.get("rpy_deg", [0, 0, 0])), np.array(pose["position_mm"]) / 1e3
-    board, sigma = corners(problem["target"]), problem["noise"]["sigma_px"]
-    M = sum(information(camera, board, board_pose, pose, sigma) for pose in plan["poses"])
+    target, noise = problem["target"], problem["noise"]
+    M = sum(information(camera, target, board_pose, pose, noise) for pose in plan["poses"])
     M = M[np.ix_(estimated, estimated)]
     unit = 1 / np.sqrt(np.diag(M))
     covariance = np.linalg.inv(M * np.outer(unit, unit)) * np.outer(unit, unit)

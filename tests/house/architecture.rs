@@ -72,7 +72,21 @@ const ROOMS: [(&str, &[&str]); 32] = [
         "feasibility",
         &["rejection", "visibility", "shortfall", "solid", "hull", "collision", "occlusion", "stability", "views"],
     ),
-    ("information", &["criterion", "unknowns", "image_area", "map_error", "weakest", "view", "zhang", "diversity"]),
+    (
+        "information",
+        &[
+            "criterion",
+            "unknowns",
+            "image_area",
+            "map_error",
+            "weakest",
+            "noise",
+            "view",
+            "unweighted",
+            "zhang",
+            "diversity",
+        ],
+    ),
     (
         "calibration",
         &[
@@ -90,6 +104,7 @@ const ROOMS: [(&str, &[&str]); 32] = [
             "coverage",
             "order",
             "robust",
+            "scatter",
             "assessment",
         ],
     ),
@@ -180,7 +195,10 @@ const ROOMS: [(&str, &[&str]); 32] = [
         ],
     ),
     ("report::plots", &["coverage", "accuracy", "poses", "space", "calibration", "comparison", "study", "design"]),
-    ("cli", &["interrupt", "own_files", "output", "arguments", "memory", "long_work", "loaded_plan", "command"]),
+    (
+        "cli",
+        &["interrupt", "own_files", "output", "arguments", "known", "memory", "long_work", "loaded_plan", "command"],
+    ),
 ];
 
 /// Crates that read files or talk to people, and the modules that may.

@@ -10,13 +10,15 @@ use calipose::plan::assess::compare;
 use calipose::plan::choose::Chooser;
 use calipose::plan::choose::lloyd;
 use calipose::plan::survey::{Survey, survey};
-use calipose::problem::{Goal, Method, Problem};
+use calipose::problem::{Goal, Method, Overrides, Problem};
 use serde::Deserialize;
 
 const SEEDS: usize = 5;
 
 fn surveyed(criterion: Criterion) -> (Problem, Survey) {
-    let mut problem = Problem::read(Path::new("problems/servosila-engineer.toml")).unwrap();
+    // The noise that the floors were measured under.
+    let constant = Overrides::new().set("noise={sigma_px=0.3,model=\"constant\"}").unwrap();
+    let mut problem = Problem::read_with(Path::new("problems/servosila-engineer.toml"), &constant).unwrap();
     problem.selection.goal = Goal::Best { criteria: vec![(criterion, 1.0)], count: 10, method: Method::Best };
     let survey = survey(&problem, &|_| {}).unwrap();
     (problem, survey)

@@ -12,7 +12,7 @@ use calipose::plan::survey::survey;
 use calipose::problem::{Goal, Method, Problem};
 use calipose::sweep::sweep;
 use calipose::target::{Corners, Marker};
-use calipose::verification::Disturbance;
+use calipose::verification::{Disturbance, Weighing};
 use nalgebra::Point3;
 
 fn bodies() -> Problem {
@@ -182,7 +182,8 @@ fn plans_of_partial_views_do_what_they_predict() {
     let chosen: Vec<&View> = choice.selected.iter().map(|&i| &survey.views[i]).collect();
     assert!(chosen.iter().any(|view| view.seen != Corners::All), "the plan must use the partial views");
     let configurations: Vec<_> = chosen.iter().map(|view| view.q.clone()).collect();
-    let found = verify(&problem, &configurations, &Disturbance::default(), 200, 1, &|_| {}).unwrap();
+    let found =
+        verify(&problem, &configurations, &Disturbance::default(), Weighing::default(), 200, 1, &|_| {}).unwrap();
     assert!(found.failures.is_empty(), "{:?}", found.failures);
     assert!((found.map_error.predicted / choice.map_error - 1.0).abs() < 1e-9);
     for parameter in &found.parameters {

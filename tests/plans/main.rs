@@ -9,5 +9,6 @@ mod collision;
 #[path = "../commands/desk.rs"]
 mod desk;
 mod feasible_poses;
+mod noise;
 mod sweep_table_iii;
 mod tampered_plans;

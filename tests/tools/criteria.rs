@@ -119,7 +119,7 @@ fn sampled(problem: &Problem, survey: &Survey, selected: &[usize], rng: &mut imp
             .iter()
             .map(|&i| {
                 let noisy = |corner| {
-                    let mut error = || problem.noise * rng.sample::<f64, _>(StandardNormal);
+                    let mut error = || problem.noise.sigma * rng.sample::<f64, _>(StandardNormal);
                     Some(problem.camera.project(&(survey.views[i].X_CT * corner))? + Vector2::new(error(), error()))
                 };
                 let seen: Option<Vec<_>> = corners.iter().map(noisy).collect();

@@ -3,7 +3,7 @@
 //! The golden file is written by the script beside it. It cannot tell whether OpenCV's models fit a real lens.
 
 use calipose::camera::{Camera, Lens};
-use calipose::information::{Measurement, Unknowns};
+use calipose::information::{Measurement, Noise, NoiseModel, Unknowns};
 use calipose::spatial::{Pose, skew};
 use calipose::target::{Board, Corners};
 use nalgebra::{DMatrix, DVector, Matrix3, Point3, UnitQuaternion, Vector3};
@@ -106,15 +106,11 @@ fn pixels_and_derivatives() {
 fn information_of_a_view() {
     let golden = golden();
     let board = Board::checkerboard(golden.columns, golden.rows, golden.square_m);
-    let corners: Vec<_> = board.corners().collect();
+    let noise = Noise { sigma: golden.sigma_px, model: NoiseModel::Constant };
     for (number, case) in golden.cases.iter().enumerate() {
         let camera = case.camera();
         let estimated: Vec<usize> = (0..case.intrinsics.len()).collect();
-        let measurement = Measurement {
-            unknowns: Unknowns { camera: &camera, estimated: &estimated },
-            corners: corners.clone(),
-            noise: golden.sigma_px,
-        };
+        let measurement = Measurement::new(Unknowns { camera: &camera, estimated: &estimated }, &board, noise);
         let X_CT = case.X_CT();
         let views = measurement.information_set([(&X_CT, &Corners::All)]).unwrap();
         let M = views.matrix(0).unwrap();

@@ -11,7 +11,7 @@ use crate::plan::assess::{Equivalent, Row, compare, equivalent_kmeans, verify};
 use crate::plan::choose::{Choice, Chooser, refined_survey};
 use crate::plan::survey::Survey;
 use crate::problem::{Method, Problem};
-use crate::verification::{Disturbance, MonteCarlo};
+use crate::verification::{Disturbance, MonteCarlo, Weighing};
 
 /// Number of poses where none is asked for.
 const COUNT: usize = 10;
@@ -120,7 +120,16 @@ fn measure(problem: &Problem, survey: &Survey, choice: &Choice, trials: usize) -
         return None;
     }
     let configurations: Vec<Vec<f64>> = choice.selected.iter().map(|&i| survey.views[i].q.clone()).collect();
-    verify(problem, &configurations, &Disturbance::default(), trials, problem.selection.seed, &|_| {}).ok()
+    verify(
+        problem,
+        &configurations,
+        &Disturbance::default(),
+        Weighing::default(),
+        trials,
+        problem.selection.seed,
+        &|_| {},
+    )
+    .ok()
 }
 
 fn text_row(problem: &Problem, chooser: &Chooser, row: &Row, measured: Option<&MonteCarlo>) -> Vec<String> {

@@ -11,6 +11,7 @@ pub(crate) mod explain;
 pub(crate) mod figures;
 pub(crate) mod init;
 pub(crate) mod next;
+pub(crate) mod noise;
 pub(crate) mod plan;
 pub(crate) mod polish;
 pub(crate) mod reach;

@@ -79,14 +79,16 @@ pub(crate) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<Verd
     };
     let detections =
         read_detections_file(path, &known).map_err(|error| Failure::Observations { path: path.clone(), error })?;
+    let settings = CalibrationSettings { noise: problem.noise.model, ..CalibrationSettings::default() };
     let calibration =
-        calibrate(&detections.observations, &problem.camera, &problem.estimated, &CalibrationSettings::default())
-            .map_err(|error| Failure::Calibration {
+        calibrate(&detections.observations, &problem.camera, &problem.estimated, &settings).map_err(|error| {
+            Failure::Calibration {
                 error: Box::new(error),
                 path: path.clone(),
                 names: detections.names.clone(),
                 fits: None,
-            })?;
+            }
+        })?;
     let proposed = sweeping(screen, &problem, |observe| {
         next(&problem, &detections.observations, &calibration, request, arguments.new, observe)
     });

@@ -24,7 +24,7 @@ use crate::plan::results::{PLAN_FILE, RUN_FILE, add_results, owner, probe, write
 use crate::plan::survey::Survey;
 use crate::problem::{Method, Problem};
 use crate::report::{outcome, plan_page};
-use crate::verification::{Disturbance, Judgement, MonteCarlo};
+use crate::verification::{Disturbance, Judgement, MonteCarlo, Weighing};
 
 #[derive(Debug, Args)]
 pub(crate) struct PlanArguments {
@@ -84,8 +84,9 @@ pub(crate) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<Verd
     let verified = verified(&problem, &plan, arguments.trials, &|_| bar.inc(1));
     bar.finish_and_clear();
     let verified = verified?;
-    let verification =
-        verified.as_ref().map(|found| Verification::new(&plan, found, &Judgement::new(found), plan.seed));
+    let verification = verified
+        .as_ref()
+        .map(|found| Verification::new(&plan, found, &Judgement::new(found), Weighing::default(), plan.seed));
     // Without trials those of the same plan, if they are still there.
     let known = verification.clone().or_else(|| Verification::read(&problem.output, &plan));
     let reported = Reported::new(&plan, &chooser, &decision.choice.selected, known)?;
@@ -174,7 +175,15 @@ fn verified(
         return Ok(None);
     }
     let configurations: Vec<Vec<f64>> = plan.poses.iter().map(|pose| pose.joints_rad.clone()).collect();
-    Ok(Some(verify(problem, &configurations, &Disturbance::default(), trials, plan.seed, observe)?))
+    Ok(Some(verify(
+        problem,
+        &configurations,
+        &Disturbance::default(),
+        Weighing::default(),
+        trials,
+        plan.seed,
+        observe,
+    )?))
 }
 
 /// What the plan is worth, and whether it does what it predicts.
@@ -265,12 +274,17 @@ fn summary(
         if problem.constraints.allow_all() { "" } else { "; constraints aside" },
     );
     let tried = verified.map(|found| format!("{}\n", sentence(found))).unwrap_or_default();
+    let unweighted = plan.unweighted.as_ref().map(|unweighted| {
+        let map_error = short(unweighted.map_error_px);
+        format!("A calibration without weights, such as OpenCV's: map error {map_error} px predicted.\n")
+    });
+    let unweighted = unweighted.unwrap_or_default();
     Ok(format!(
         "{}\n\n{}\n\n{}\n\n{}\n\n{}",
         wrapped(&outcome(plan)),
         pose_table(problem, &plan.poses),
         table(&["intrinsic", "nominal", "predicted sigma"], &rows),
-        wrapped(&format!("{tried}{compared}")),
+        wrapped(&format!("{tried}{unweighted}{compared}")),
         wrapped(&found),
     ))
 }

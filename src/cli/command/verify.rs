@@ -12,7 +12,7 @@ use crate::cli::trials;
 use crate::plan::assess::verify;
 use crate::plan::document::Verification;
 use crate::problem::StatedDisturbance;
-use crate::verification::{Disturbance, Judgement, MonteCarlo};
+use crate::verification::{Disturbance, Judgement, MonteCarlo, Weighing};
 
 #[derive(Debug, Args)]
 pub(crate) struct VerifyArguments {
@@ -27,6 +27,9 @@ pub(crate) struct VerifyArguments {
     /// Seed of the simulation
     #[arg(long, default_value_t = 0)]
     seed: u64,
+    /// Calibrate without weights, as OpenCV's calibrateCamera does, where the noise depends on the view
+    #[arg(long)]
+    unweighted: bool,
     #[command(flatten)]
     disturbance: DisturbanceArguments,
 }
@@ -89,11 +92,13 @@ pub(crate) fn run(arguments: &VerifyArguments, screen: &mut Screen) -> Result<Ve
     let LoadedPlan { plan, problem, .. } = LoadedPlan::read(&arguments.plan, arguments.problem.as_deref())?;
     let bar = screen.progress("calibrating", arguments.trials);
     let configurations: Vec<Vec<f64>> = plan.poses.iter().map(|pose| pose.joints_rad.clone()).collect();
-    let verified = verify(&problem, &configurations, &disturbance, arguments.trials, arguments.seed, &|_| bar.inc(1));
+    let weighing = if arguments.unweighted { Weighing::Unweighted } else { Weighing::Weighted };
+    let (trials, seed) = (arguments.trials, arguments.seed);
+    let verified = verify(&problem, &configurations, &disturbance, weighing, trials, seed, &|_| bar.inc(1));
     bar.finish_and_clear();
     let found = verified?;
     let judgement = Judgement::new(&found);
-    screen.document(&Verification::new(&plan, &found, &judgement, arguments.seed))?;
+    screen.document(&Verification::new(&plan, &found, &judgement, weighing, seed))?;
     let rows: Vec<Vec<String>> = found
         .parameters
         .iter()

@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use super::collision::contacts_text;
 use super::short;
-use crate::calibration::CalibrationError;
+use crate::calibration::{CalibrationError, ScatterError};
 use crate::experiment::{CodesignError, RunError, StoreError};
 use crate::formats::{FileReadError, ReadError, ReadFault};
 use crate::plan::assess::{CertifyError, VerifyError};
@@ -103,6 +103,11 @@ pub(crate) enum Failure {
     #[diagnostic(help("{}", incomplete_help(*others)))]
     Incomplete { folder: PathBuf, cells: usize, missing: usize, named: String, others: bool },
     #[error(transparent)]
+    #[diagnostic(help(
+        "take ten or more pictures of each scene, with neither the camera nor the board touched, and detect the corners in each"
+    ))]
+    Scatter(#[from] ScatterError),
+    #[error(transparent)]
     #[diagnostic(help("{}", run_help(.0)))]
     Run(#[from] RunError),
     #[error("{what} failed:\n{said}")]
@@ -138,7 +143,7 @@ impl Failure {
             | Failure::Stdout(_)
             | Failure::Store(StoreError::File(_))
             | Failure::Run(_) => "cannot-write",
-            Failure::Observations { .. } => "observations",
+            Failure::Observations { .. } | Failure::Scatter(_) => "observations",
             Failure::Calibration { .. } => "no-calibration",
             Failure::PlanFile { .. } => "plan-file",
             Failure::Document { .. } | Failure::Report(_) => "document",

@@ -15,6 +15,7 @@ use crate::plan::document::{
 };
 use crate::plan::survey::Survey;
 use crate::problem::{Goal, Method, Problem};
+use crate::verification::Weighing;
 
 /// A cell, ready to be computed.
 pub(super) struct PreparedCell {
@@ -261,7 +262,9 @@ fn simulated(
     }
     let configurations: Vec<Vec<f64>> = choice.selected.iter().map(|&i| survey.views[i].q.clone()).collect();
     // Nothing is predicted for a choice that leaves an intrinsic undetermined, and nothing simulated.
-    let found = verify(problem, &configurations, &deviations.disturbance(), *trials, seed, &|_| {}).ok()?;
+    let found =
+        verify(problem, &configurations, &deviations.disturbance(), Weighing::default(), *trials, seed, &|_| {})
+            .ok()?;
     Some(SimulatedOutcome {
         trials: found.count,
         failed: found.failures.len(),

@@ -33,7 +33,11 @@ pub(super) fn read(text: &str, known: &Known) -> Result<ListedImages, ReadError>
     let found = [side("width_px")?, side("height_px")?];
     let list = root.require("", "views")?.list(&"views")?;
     let images = list.iter().enumerate().map(|(i, node)| view(node, i, &board)).collect::<Result<_, _>>()?;
-    Ok(ListedImages { board: known.board(stated_board, line)?, size: known.image_size(Some(found), size.line)?, images })
+    Ok(ListedImages {
+        board: known.board(stated_board, line)?,
+        size: known.image_size(Some(found), size.line)?,
+        images,
+    })
 }
 
 /// The grid of corners that `stated` describes.

@@ -15,7 +15,7 @@ use crate::plan::survey::{Diagnosis, Survey, join, spacings};
 use crate::problem::{Goal, Method, PoseConstraints, Problem};
 use crate::sweep::{AxisRule, sweep};
 use crate::target::{AxisCase, Board, Checkerboard};
-use crate::verification::Disturbance;
+use crate::verification::{Disturbance, Weighing};
 
 /// Configurations tried at most, and how long.
 const TRIED: usize = 20_000;
@@ -330,7 +330,7 @@ impl<'a> Chosen<'a> {
         let picks: Vec<Vec<f64>> = choice.selected.iter().map(|&i| survey.views[i].q.clone()).collect();
         let refining = (problem.refinement.rounds > 0).then(|| refining(problem, &survey, &picks)).flatten();
         let start = Instant::now();
-        let verified = verify(problem, &picks, &Disturbance::default(), TRIALS, 0, &|_| {});
+        let verified = verify(problem, &picks, &Disturbance::default(), Weighing::default(), TRIALS, 0, &|_| {});
         let trial = start.elapsed().as_secs_f64() / (TRIALS * poses) as f64;
         let trial = if verified.is_ok() { trial } else { 0.0 };
         Some(Self { problem, survey, inform, selection, exchange, clustering, refining, trial })

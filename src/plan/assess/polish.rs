@@ -12,7 +12,9 @@ use nalgebra::DVector;
 use crate::feasibility::{Checks, View};
 use crate::information::Measurement;
 use crate::plan::choose::{Chooser, Objective, PlanError, allows};
-use crate::plan::document::{Document, GridPlan, Intrinsics, PROVEN, Plan, PlannedPose, PolishedPlan};
+use crate::plan::document::{
+    Document, GridPlan, Intrinsics, PROVEN, Plan, PlannedPose, PolishedPlan, UnweightedAccuracy,
+};
 use crate::plan::survey::SurveyError;
 use crate::problem::Problem;
 use crate::selection::{Constraints, Instance};
@@ -69,6 +71,7 @@ impl Polished {
             efficiency_by_grid_bound: plan.efficiency * gain,
             intrinsics: Intrinsics { sigma: self.sigma.clone(), ..plan.intrinsics.clone() },
             map_error_px: self.map_error,
+            unweighted: UnweightedAccuracy::new(chooser, &self.views),
             cycles: self.cycles,
             converged: self.converged,
             proven: PROVEN.into(),

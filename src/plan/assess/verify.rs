@@ -4,11 +4,14 @@ use nalgebra::DMatrix;
 use thiserror::Error;
 
 use crate::calibration::CalibrationSettings;
+use crate::information::{NoiseModel, Unweighted};
 use crate::problem::Problem;
 use crate::selection::packed::{inverse, unpack};
 use crate::spatial::Pose;
 use crate::target::Corners;
-use crate::verification::{Disturbance, MonteCarlo, MonteCarloError, Nominal, Prediction, Trials, monte_carlo};
+use crate::verification::{
+    Disturbance, MonteCarlo, MonteCarloError, Nominal, Prediction, Trials, Weighing, monte_carlo,
+};
 
 /// Why a plan could not be verified.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -31,7 +34,7 @@ pub enum VerifyError {
 }
 
 /// Simulates `count` calibrations from pictures taken at `configurations` (joint values in rad or m, one list per pose),
-/// disturbed as told, and holds their scatter against the prediction for the undisturbed plan. `observe` is told the number
+/// disturbed as told, calibrated as `weighing` says, and holds their scatter against the prediction for the undisturbed plan. `observe` is told the number
 /// of trials done.
 ///
 /// # Errors
@@ -40,6 +43,7 @@ pub fn verify(
     problem: &Problem,
     configurations: &[Vec<f64>],
     disturbance: &Disturbance,
+    weighing: Weighing,
     count: usize,
     seed: u64,
     observe: &(dyn Fn(usize) + Sync),
@@ -48,6 +52,7 @@ pub fn verify(
     let unknowns = problem.unknowns();
     let measurement = problem.measurement();
     let mut M = DMatrix::zeros(unknowns.len(), unknowns.len());
+    let mut unweighted = Unweighted::new(&M);
     let mut seen = Vec::with_capacity(configurations.len());
     let checks = problem.visibility.min_corners.map(|_| problem.checks());
     for (i, q) in configurations.iter().enumerate() {
@@ -57,17 +62,22 @@ pub fn verify(
             None => Corners::All,
         };
         let X_CT: Pose = robot.camera_pose(q).inverse() * target.X_BT;
-        let information = measurement.information(&X_CT, &corners).ok_or(not_seen)?;
+        let information = measurement.information(&X_CT, &corners).ok_or_else(|| not_seen.clone())?;
+        unweighted.add(&measurement, &X_CT, &corners).ok_or(not_seen)?;
         seen.push(corners);
         M += unpack(&information, unknowns.len());
     }
     let unobservable = VerifyError::Unobservable { poses: configurations.len() };
-    let covariance = inverse(&M).ok_or(unobservable)?;
+    let (covariance, model) = match weighing {
+        Weighing::Weighted => (inverse(&M), noise.model),
+        Weighing::Unweighted => (unweighted.covariance(), NoiseModel::Constant),
+    };
+    let covariance = covariance.ok_or(unobservable)?;
     let map_weight = unknowns.map_error_weight();
-    let nominal = Nominal { robot, camera, target, sigma: *noise };
+    let nominal = Nominal { robot, camera, target, noise: *noise };
     let planned: Vec<_> = configurations.iter().zip(&seen).collect();
     let scene = |trial| disturbance.scene(&nominal, &planned, seed, trial);
-    let trials =
-        Trials { unknowns, board: &target.board, scene: &scene, settings: CalibrationSettings::default(), count, seed };
+    let settings = CalibrationSettings { noise: model, ..CalibrationSettings::default() };
+    let trials = Trials { unknowns, board: &target.board, scene: &scene, settings, count, seed };
     Ok(monte_carlo(&trials, &Prediction { covariance: &covariance, map_weight: &map_weight }, observe)?)
 }

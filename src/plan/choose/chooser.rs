@@ -5,11 +5,12 @@ use std::ops::ControlFlow;
 use nalgebra::DMatrix;
 
 use super::choice::{Choice, Reached};
-use super::constraints::{Captured, captured, constraints, known};
+use super::constraints::{Captured, captured, constraints, known, stated};
 use super::error::PlanError;
 use super::objective::Objective;
 use super::{kmeans, random};
-use crate::information::Criterion;
+use crate::feasibility::View;
+use crate::information::{Criterion, NoiseModel, Unweighted};
 use crate::plan::survey::Survey;
 use crate::problem::{Accuracy, Goal, Method, Problem};
 use crate::selection::packed::{inverse, pack, packed_len, unpack};
@@ -293,6 +294,25 @@ impl<'a> Chooser<'a> {
             None => vec![],
         };
         (sigma, (-0.5 * self.map_error.log_value(&mut pack(M), M.nrows())).exp())
+    }
+
+    /// Standard deviations and map error of `views`, with those taken already, if the corners, which scatter unequally, are all given one weight: what OpenCV's
+    /// `calibrateCamera` makes of it. `None` where all scatter alike, or an intrinsic is left undetermined.
+    pub(crate) fn unweighted<'v>(&self, views: impl IntoIterator<Item = &'v View>) -> Option<(Vec<f64>, f64)> {
+        let Self { problem, survey, .. } = self;
+        if problem.noise.model == NoiseModel::Constant {
+            return None;
+        }
+        let measurement = problem.measurement();
+        let mut estimate = Unweighted::new(&stated(problem));
+        let taken = self.captured.iter().map(|Captured { X_CT, seen }| (X_CT, seen));
+        let chosen = views.into_iter().map(|view| (&view.X_CT, &view.seen));
+        for (X_CT, seen) in taken.chain(chosen) {
+            estimate.add(&measurement, X_CT, seen)?;
+        }
+        let covariance = estimate.covariance()?;
+        let map_error = (&survey.map_weight * &covariance).trace().sqrt();
+        Some((covariance.diagonal().map(f64::sqrt).iter().copied().collect(), map_error))
     }
 
     pub(crate) fn instance(&self, count: usize) -> Result<Instance<'_>, PlanError> {

@@ -138,20 +138,27 @@ pub(crate) fn captured(problem: &Problem) -> Result<Vec<Captured>, ConstraintErr
     problem.constraints.captured.iter().enumerate().map(view).collect()
 }
 
+/// The p×p information on the intrinsics of the standard deviations stated.
+pub(crate) fn stated(problem: &Problem) -> DMatrix<f64> {
+    let p = problem.estimated.len();
+    let mut known = DMatrix::zeros(p, p);
+    for &(j, sigma) in &problem.prior_sigma {
+        known[(j, j)] += sigma.powi(-2);
+    }
+    known
+}
+
 /// The p×p information on the intrinsics that is known before the first pose is chosen: of the views taken already, and the
 /// standard deviations stated.
 ///
 /// # Errors
 /// When a view taken does not see enough of the board.
 pub(crate) fn known(problem: &Problem, captured: &[Captured]) -> Result<DMatrix<f64>, ConstraintError> {
-    let p = problem.estimated.len();
     let measurement = problem.measurement();
-    let mut known = DMatrix::zeros(p, p);
-    for &(j, sigma) in &problem.prior_sigma {
-        known[(j, j)] += sigma.powi(-2);
-    }
+    let mut known = stated(problem);
     for (view, Captured { X_CT, seen }) in captured.iter().enumerate() {
         let information = measurement.information(X_CT, seen);
+        let p = known.nrows();
         known += unpack(&information.ok_or(ConstraintError::CapturedUnseen { view: view + 1 })?, p);
     }
     Ok(known)

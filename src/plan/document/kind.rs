@@ -6,7 +6,8 @@ use schemars::transform::RecursiveTransform;
 use serde_json::Value;
 
 use super::answers::{
-    CalibrationDocument, Certified, ComparisonDocument, Explanation, FiguresDocument, NextDocument, Verification,
+    CalibrationDocument, Certified, ComparisonDocument, Explanation, FiguresDocument, NextDocument, NoiseDocument,
+    Verification,
 };
 use super::design::{DesignCheckDocument, DesignDocument};
 use super::header::Document;
@@ -28,7 +29,7 @@ pub struct Kind {
 
 impl Kind {
     /// Every kind, those first that are written beside a plan.
-    pub const ALL: [Self; 24] = [
+    pub const ALL: [Self; 25] = [
         Self::of::<Plan>(),
         Self::of::<Run>(),
         Self::of::<Verification>(),
@@ -40,6 +41,7 @@ impl Kind {
         Self::of::<Certified>(),
         Self::of::<ComparisonDocument>(),
         Self::of::<CalibrationDocument>(),
+        Self::of::<NoiseDocument>(),
         Self::of::<SweepDocument>(),
         Self::of::<ReachDocument>(),
         Self::of::<CheckDocument>(),

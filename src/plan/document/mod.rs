@@ -15,9 +15,9 @@ mod views;
 pub use answers::{
     CalibratedView, CalibrationDocument, Certified, CombinationTerm, ComparisonDocument, ComparisonEquivalent,
     ComparisonRow, CornerResidual, CurvePoint, EstimatedIntrinsics, Explanation, FailedTrial, FigureFile,
-    FiguresDocument, LeastKnown, MapErrorCheck, MapErrorOverImage, MeasuredRow, NextDocument, NotChecked,
-    OutlierDocument, ParameterCheck, PictureSize, PoseExplanation, RequestedAccuracy, ResidualLengths,
-    SimulatedMapError, SparePose, Suffering, Verification,
+    FiguresDocument, LeastKnown, MapErrorCheck, MapErrorOverImage, MeasuredNoise, MeasuredRow, NextDocument,
+    NoiseDocument, NotChecked, OutlierDocument, ParameterCheck, PictureSize, PoseExplanation, RequestedAccuracy,
+    ResidualLengths, SimulatedMapError, SparePose, Suffering, Verification,
 };
 pub use design::{
     DesignCheckDocument, DesignDocument, DesignMap, DesignProof, FreeValue, Sensitivity, SensitivityPoint, SetUp,
@@ -30,7 +30,7 @@ pub(crate) use plan::poses_csv;
 pub use plan::{
     AccuracyDocument, CertificateDocument, CertificateTerm, CollisionDocument, FewestDocument, GridPlan, Intrinsics,
     PROVEN, Plan, PlanReadError, PlannedPose, PolishedPlan, Pose, Price, Run, RunProblem, RunSeconds, SearchDocument,
-    SurveyCounts, joints_deg,
+    SurveyCounts, UnweightedAccuracy, joints_deg,
 };
 pub use problem::{
     BoardDescription, BoardDocument, CameraSights, CheckDocument, ClosePair, DiagnosisDocument, InitDocument,

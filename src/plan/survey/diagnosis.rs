@@ -377,7 +377,7 @@ impl fmt::Display for Miss {
             }
             Miss::Spacing(spacing, least) => {
                 let (spacing, least) = (rounded(*spacing), rounded(*least));
-                write!(f, "neighbouring corners are at most {spacing} px apart; min_corner_spacing_px is {least}")
+                write!(f, "the squares are at most {spacing} px high in the image; min_corner_spacing_px is {least}")
             }
             Miss::Unstable(Some(margin), least) => {
                 write!(f, "the greatest tip-over margin is {}; margin_mm is {}", mm(margin), rounded(least * 1e3))

@@ -61,7 +61,7 @@ fn lengths(problem: &Problem) -> Vec<Smell> {
     if tiny(board, TINY) && reach > 10.0 * TINY {
         smells.push(Smell::Metres("`target.pose.position_mm`", board * 1e3));
     }
-    let spacing = target.board.spacing();
+    let spacing = target.board.grid().map_or_else(|| target.board.spacing(), |(_, _, square)| square);
     if tiny(spacing, TINY / 10.0) {
         let what =
             if target.board.grid().is_some() { "`target.square_mm`" } else { "the spacing of the board's corners" };
@@ -345,6 +345,7 @@ mod tests {
         [sweep]
         step_deg = 0.5
         [visibility]
+        margin_px = 5
         min_distance_mm = 100
     "#;
 

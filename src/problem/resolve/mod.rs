@@ -4,6 +4,7 @@ mod camera;
 mod check;
 mod constraints;
 mod estimate;
+mod noise;
 mod robot;
 mod selection;
 mod sweep;
@@ -18,9 +19,6 @@ use super::{Problem, schema};
 use crate::camera::Camera;
 pub(crate) use check::Check;
 use check::SIZE;
-
-/// Standard deviations of a corner in px: from that of no detector to the size of a picture.
-const NOISE: Allowed = Allowed::between(1e-6, 1e3);
 
 /// The problem that `file` states, or everything found wrong with it. `path` names a problem that has no name, and is where
 /// other files are sought from.
@@ -42,15 +40,16 @@ pub(super) fn resolve(document: &Document, file: &schema::File, path: &Path) -> 
     let clearance = check.collision(&key!(file, collision), robot.as_mut().map(|robot| &mut robot.tree));
     let stability = key!(file, stability).given();
     let stability = stability.and_then(|test| check.stability(&test, robot.as_ref().map(|robot| &robot.tree)));
-    let visibility = check.visibility(&key!(file, visibility), target.as_ref().map(|target| &target.board));
-    let noise = check.number(&key!(file, noise.sigma_px), NOISE);
+    let noise = check.noise(&key!(file, noise));
+    let board = target.as_ref().map(|target| &target.board);
+    let visibility = check.visibility(&key!(file, visibility), board, noise.model);
     // Without its camera file the names of the lens's intrinsics are not known.
     let lens = camera.as_ref().map(Camera::lens).or_else(|| file.value.camera.stated_lens());
     let estimate = key!(file, estimate);
     let estimated = lens.map(|lens| check.estimated(&estimate, lens)).unwrap_or_default();
     let names: Vec<&str> =
         lens.map(|lens| estimated.iter().map(|&i| lens.parameter_names()[i]).collect()).unwrap_or_default();
-    let prior_sigma = check.prior_sigma(&estimate, camera.as_ref(), &estimated, &names, noise);
+    let prior_sigma = check.prior_sigma(&estimate, camera.as_ref(), &estimated, &names, noise.sigma);
     let selection = check.selection(&key!(file, selection), &names);
     let joints = robot.as_ref().map(|robot| robot.chain.joints.as_slice()).unwrap_or_default();
     let constraints = check.constraints(&key!(file, constraints), joints);

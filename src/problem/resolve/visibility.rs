@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use super::check::{Check, NOT_NEGATIVE};
 use crate::calibration::FEWEST_CORNERS;
 use crate::feasibility::VisibilityLimits;
+use crate::information::NoiseModel;
 use crate::problem::fault::Allowed;
 use crate::problem::schema;
 use crate::problem::text::{At, key};
@@ -18,13 +19,27 @@ const MOST_CORNERS: usize = 1_000_000;
 
 /// Pixels that a module of a marker takes to be read.
 const PX_PER_MODULE: f64 = 3.0;
+/// Least distance of a corner from the picture's border in px, and beyond the detector's window where that is known.
+const MARGIN: f64 = 5.0;
+const BESIDE_WINDOW: f64 = 3.0;
+
+/// Least height of squares in px, and as a multiple of half the side of the detector's window where that is known: OpenCV's `cornerSubPix`
+/// goes astray below 1.4 of it on rendered pictures.
+const SPACING: f64 = 5.0;
+const WINDOWS: f64 = 1.5;
 
 impl Check<'_, '_> {
     pub(super) fn visibility(
         &mut self,
         visibility: &At<schema::Visibility>,
         board: Option<&Board>,
+        noise: NoiseModel,
     ) -> VisibilityLimits {
+        // Nearer to the border the detector's window is cut off, and in lower squares it reaches into the next ones.
+        let (margin, spacing) = match noise {
+            NoiseModel::Constant => (MARGIN, SPACING),
+            NoiseModel::Edges { window } => (window + BESIDE_WINDOW, WINDOWS * window + 0.5),
+        };
         // Of a board that is none as many as any has.
         let corners = board.map_or(MOST_CORNERS, Board::corner_count);
         let fewest = Allowed::between(FEWEST_CORNERS as f64, corners as f64);
@@ -41,12 +56,14 @@ impl Check<'_, '_> {
         let min_distance = self.length(&key!(visibility, min_distance_mm), NOT_NEGATIVE);
         let farther = Allowed::between(visibility.value.min_distance_mm.max(0.0), 1e6);
         VisibilityLimits {
-            margin: self.number(&key!(visibility, margin_px), NOT_NEGATIVE),
+            margin: key!(visibility, margin_px).given().map_or(margin, |given| self.number(&given, NOT_NEGATIVE)),
             max_incidence: self.angle(&key!(visibility, max_incidence_deg), ACUTE).min(PI / 2.0),
             max_tilt: self.angle(&key!(visibility, max_tilt_deg), ACUTE).min(PI / 2.0),
             min_distance,
             max_distance: self.length(&key!(visibility, max_distance_mm), farther),
-            min_corner_spacing: self.number(&key!(visibility, min_corner_spacing_px), NOT_NEGATIVE),
+            min_corner_spacing: key!(visibility, min_corner_spacing_px)
+                .given()
+                .map_or(spacing, |given| self.number(&given, NOT_NEGATIVE)),
             min_corners: min_corners.filter(|&least| least < corners),
             min_marker: min_marker.map_or(legible, |least| self.number(&least, NOT_NEGATIVE)),
         }

@@ -23,4 +23,4 @@ pub(crate) use selection::{Constraints, Group, Region, Selection};
 pub(crate) use sweep::{Published, Sweep};
 pub(crate) use target::{Target, TargetKind};
 pub(crate) use value::{Choice, MountName, Named, NumberOrList, Numbers, Pose, Range, RangeOrSets, TextOrTable};
-pub(crate) use view::{Estimate, Visibility};
+pub(crate) use view::{Estimate, Noise, Visibility};

@@ -5,12 +5,16 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::value::Named;
+use crate::information::NoiseName;
+
 /// Conditions that a view must meet, besides showing the corners.
 #[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct Visibility {
-    /// Minimum distance of every corner from the centres of the outermost pixels, in px.
-    pub(crate) margin_px: f64,
+    /// Minimum distance of every corner from the centres of the outermost pixels, in px; 3 more than
+    /// `noise.window_px` when left out, and 5 for constant noise.
+    pub(crate) margin_px: Option<f64>,
     /// Maximum angle between the board's normal and the direction to the camera, in degrees.
     pub(crate) max_incidence_deg: f64,
     /// Maximum angle between the board's normal and the optical axis, in degrees.
@@ -19,8 +23,9 @@ pub(crate) struct Visibility {
     pub(crate) min_distance_mm: f64,
     /// Maximum distance from the camera to the board's centre, in mm.
     pub(crate) max_distance_mm: f64,
-    /// Minimum distance between neighbouring corners in the image, in px.
-    pub(crate) min_corner_spacing_px: f64,
+    /// Minimum distance between neighbouring rows and columns of corners in the image, in px: the height of the squares, however slanted;
+    /// 1.5 times `noise.window_px` and half a px when left out, and 5 for constant noise.
+    pub(crate) min_corner_spacing_px: Option<f64>,
     /// Minimum number of corners in a view, for boards that can be read in part. When left out: 4 of a `charuco` board, 16 of an
     /// `aprilgrid`, and every corner of other boards.
     #[schemars(range(min = 4))]
@@ -33,8 +38,14 @@ pub(crate) struct Visibility {
 #[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct Noise {
-    /// Standard deviation of a detected corner in each direction, in px.
+    /// Standard deviation of a detected corner in each direction, in px; under "edges" that of a corner of large squares seen
+    /// square-on.
     pub(crate) sigma_px: f64,
+    /// How it depends on the view: "constant" not at all, "edges" by the length of the edges that the detector sees and by the angle at
+    /// which they meet.
+    pub(crate) model: Named<NoiseName>,
+    /// Half the side of the detector's window in px, as `winSize` of OpenCV's `cornerSubPix`, for "edges"; 5 when left out.
+    pub(crate) window_px: Option<f64>,
 }
 
 /// The parameters that the calibration estimates.
@@ -52,12 +63,12 @@ pub(crate) struct Estimate {
 impl Default for Visibility {
     fn default() -> Self {
         Self {
-            margin_px: 5.0,
+            margin_px: None,
             max_incidence_deg: 80.0,
             max_tilt_deg: 70.0,
             min_distance_mm: 0.0,
             max_distance_mm: 100_000.0,
-            min_corner_spacing_px: 5.0,
+            min_corner_spacing_px: None,
             min_corners: None,
             min_marker_px: None,
         }
@@ -66,6 +77,6 @@ impl Default for Visibility {
 
 impl Default for Noise {
     fn default() -> Self {
-        Self { sigma_px: 0.3 }
+        Self { sigma_px: 0.3, model: Named(NoiseName::default()), window_px: None }
     }
 }

@@ -62,6 +62,9 @@ fn head<'a>(documents: &PlanDocuments<'a>) -> Head<'a> {
                 @if let Some(measured) = verification.and_then(|verification| verification.map_error_px.measured) {
                     dd { (short(measured)) " px in simulated calibrations" }
                 }
+                @if let Some(unweighted) = &plan.unweighted {
+                    dd { (short(unweighted.map_error_px)) " px if calibrated without weights, as by OpenCV" }
+                }
             }
         },
         figure("Certified efficiency", format!("{:.3}", plan.efficiency), ""),

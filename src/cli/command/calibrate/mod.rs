@@ -11,50 +11,46 @@ use clap::{Args, ValueEnum};
 use parameters::ParameterArguments;
 use summary::text;
 
-use crate::calibration::{Assessment, LossKind, Request, calibrate_by, other_lens, unknown_camera};
+use crate::calibration::{
+    Assessment, CalibrationSettings, LossKind, Request, calibrate_by, other_lens, unknown_camera,
+};
 use crate::camera::{Camera, Lens};
 use crate::cli::by_name;
 use crate::cli::interrupt::writing;
+use crate::cli::known::{KnownArguments, read_detections, window};
 use crate::cli::output::Screen;
 use crate::cli::output::failure::Failure;
 use crate::cli::output::verdict::Verdict;
-use crate::formats::{CameraFormat, Detections, Known, read_detections_file};
+use crate::formats::{CameraFormat, Detections, Known};
+use crate::information::{NoiseModel, NoiseName};
 use crate::plan::document::{CalibrationDocument, Document, ProblemReference};
 use crate::plan::results::{probe, write_together};
 use crate::problem::{Accuracy, Problem};
 use crate::report::calibration_page;
-use crate::target::Board;
 
 #[derive(Debug, Args)]
 pub(crate) struct CalibrateArguments {
     /// File of detected corners: mrcal's vnl, or calipose's JSON
     observations: PathBuf,
-    /// Problem file that gives the board, image size, lens and intrinsics to estimate
-    #[arg(long, conflicts_with_all = ["board", "square", "image", "lens"])]
-    problem: Option<PathBuf>,
-    /// Inner corners of the board along x and y
-    #[arg(long, value_name = "COLUMNSxROWS", value_parser = board_size, requires = "square")]
-    board: Option<[u32; 2]>,
-    /// Distance between neighbouring corners (side of a square), in mm
-    #[arg(long = "square-mm", value_name = "MM", value_parser = length, requires = "board")]
-    square: Option<f64>,
-    /// Size of the images in px
-    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = image_size)]
-    image: Option<[u32; 2]>,
+    #[command(flatten)]
+    known: KnownArguments,
     /// Lens model [default: brown-conrady]
-    #[arg(long, value_parser = by_name(&Lens::ALL, Lens::name))]
+    #[arg(long, conflicts_with = "problem", value_parser = by_name(&Lens::ALL, Lens::name))]
     lens: Option<Lens>,
     #[command(flatten)]
     parameters: ParameterArguments,
-    /// Use only images whose names match, with `*` for any text, as in '*cam0*'
-    #[arg(long, value_name = "PATTERN")]
-    images: Option<String>,
     /// Map error that the verdict requires, in px [default: the problem file's accuracy, else 1]
     #[arg(long = "map-error-px", value_name = "PX", value_parser = map_error)]
     map_error: Option<f64>,
     /// Loss function; huber and cauchy withstand outliers
     #[arg(long, default_value = "squared")]
     loss: LossName,
+    /// How far corners scatter: `edges` weighs them by the edges that the detector saw [default: the problem file's, else constant]
+    #[arg(long = "noise-model", value_parser = by_name(&NoiseName::ALL, NoiseName::name))]
+    noise: Option<NoiseName>,
+    /// Half the side of the detector's window in px, for `edges` [default: the problem file's, else 5]
+    #[arg(long = "window-px", value_name = "PX", value_parser = window)]
+    window: Option<f64>,
     /// Folder for the camera files and calibration.json
     #[arg(long, short, default_value = "calibration")]
     output: PathBuf,
@@ -103,8 +99,7 @@ fn camera_files() -> impl TypedValueParser<Value = CameraFiles> {
 pub(crate) fn run(arguments: &CalibrateArguments, screen: &mut Screen) -> Result<Verdict, Failure> {
     let setting = Setting::read(arguments)?;
     let path = &arguments.observations;
-    let found = read_detections_file(path, &setting.known)
-        .map_err(|error| Failure::Observations { path: path.clone(), error })?;
+    let found = read_detections(path, &setting.known)?;
     let Detections { observations, names, .. } = &found;
     let (nominal, estimated, is_known) = if let Some(Problem { camera, estimated, .. }) = &setting.problem {
         (camera.clone(), estimated.clone(), true)
@@ -119,7 +114,8 @@ pub(crate) fn run(arguments: &CalibrateArguments, screen: &mut Screen) -> Result
     probe(&arguments.output)?;
     let bar = screen.progress("calibrating", 1);
     let loss = arguments.loss.kind();
-    let calibrated = calibrate_by(loss, observations, &model.nominal, &model.estimated, model.ties);
+    let settings = CalibrationSettings { ties: model.ties, noise: setting.noise, ..CalibrationSettings::default() };
+    let calibrated = calibrate_by(loss, observations, &model.nominal, &model.estimated, &settings);
     let other = other_lens(observations, nominal.lens());
     bar.finish_and_clear();
     let calibration = calibrated.map_err(|error| Failure::Calibration {
@@ -160,21 +156,12 @@ struct Setting {
     known: Known,
     problem: Option<Problem>,
     requested: Vec<Request>,
+    noise: NoiseModel,
 }
 
 impl Setting {
     fn read(arguments: &CalibrateArguments) -> Result<Self, Failure> {
-        let problem = arguments.problem.as_deref().map(Problem::read).transpose()?;
-        let images = arguments.images.clone();
-        let known = if let Some(Problem { camera, target, .. }) = &problem {
-            Known { board: Some(target.board.clone()), image: Some([camera.width(), camera.height()]), images }
-        } else {
-            let board = arguments
-                .board
-                .zip(arguments.square)
-                .map(|([columns, rows], square)| Board::checkerboard(columns as usize, rows as usize, square / 1e3));
-            Known { board, image: arguments.image, images }
-        };
+        let (problem, known) = arguments.known.read()?;
         let request = |problem: &Problem, &(accuracy, requested): &(Accuracy, f64)| match accuracy {
             Accuracy::MapError => Some(Request::MapError(requested)),
             Accuracy::Intrinsic(j) => {
@@ -191,7 +178,27 @@ impl Setting {
             requested.retain(|request| !matches!(request, Request::MapError(_)));
             requested.push(Request::MapError(map_error));
         }
-        Ok(Self { known, problem, requested })
+        let noise = noise(arguments, problem.as_ref())?;
+        Ok(Self { known, problem, requested, noise })
+    }
+}
+
+/// How corners are weighed.
+fn noise(arguments: &CalibrateArguments, problem: Option<&Problem>) -> Result<NoiseModel, Failure> {
+    let stated = problem.map(|problem| problem.noise.model).unwrap_or_default();
+    let model = match arguments.noise {
+        Some(NoiseName::Constant) => NoiseModel::Constant,
+        Some(NoiseName::Edges) if stated == NoiseModel::Constant => {
+            NoiseModel::Edges { window: NoiseModel::USUAL_WINDOW }
+        }
+        Some(NoiseName::Edges) | None => stated,
+    };
+    match (arguments.window, model) {
+        (None, model) => Ok(model),
+        (Some(window), NoiseModel::Edges { .. }) => Ok(NoiseModel::Edges { window }),
+        (Some(_), NoiseModel::Constant) => {
+            Err(Failure::Usage("--window-px is for --noise-model edges: constant noise has no window".into()))
+        }
     }
 }
 
@@ -204,25 +211,6 @@ fn formats(files: CameraFiles, camera: &Camera) -> Result<Vec<CameraFormat>, Fai
             Err(error) => Err(Failure::Usage(error.to_string())),
         },
     }
-}
-
-fn board_size(text: &str) -> Result<[u32; 2], String> {
-    pair(text, 2, 1000, "8x6")
-}
-
-fn image_size(text: &str) -> Result<[u32; 2], String> {
-    pair(text, 1, 100_000, "1280x720")
-}
-
-fn pair(text: &str, min: u32, max: u32, example: &str) -> Result<[u32; 2], String> {
-    let number = |text: &str| text.parse().ok().filter(|x| (min..=max).contains(x));
-    let parsed = text.split_once('x').and_then(|(a, b)| Some([number(a)?, number(b)?]));
-    parsed.ok_or_else(|| format!("must be two whole numbers from {min} to {max}, as in {example}"))
-}
-
-fn length(text: &str) -> Result<f64, String> {
-    let parsed = text.parse().ok().filter(|x| (1e-3..=1e6).contains(x));
-    parsed.ok_or_else(|| "must be a number from 0.001 to 1000000".into())
 }
 
 fn map_error(text: &str) -> Result<f64, String> {

@@ -26,7 +26,7 @@ use rayon::prelude::*;
 use super::error::CertifyError;
 use super::rules::{Group, Rules};
 use crate::feasibility::View;
-use crate::information::{Criterion, DiversityModel, Measurement};
+use crate::information::{Criterion, DiversityModel, Measurement, NoiseModel, Unweighted};
 use crate::plan::document::{CertificateDocument, CertificateTerm, Price};
 use crate::plan::survey::Survey;
 use crate::problem::{Accuracy, Goal, Problem};
@@ -61,6 +61,8 @@ pub(super) struct Evidence<'a> {
     measurement: Measurement<'a>,
     /// p×p information on the intrinsics before the first pose.
     known: DMatrix<f64>,
+    /// The same for a calibration that weighs nothing, where that is not the same.
+    unweighted: Option<Unweighted>,
     terms: Vec<Term>,
     pub(super) rules: Rules,
 }
@@ -104,11 +106,16 @@ impl<'a> Evidence<'a> {
         for &(j, sigma) in &problem.prior_sigma {
             known[(j, j)] += sigma.powi(-2);
         }
+        let weighs = problem.noise.model != NoiseModel::Constant;
+        let mut unweighted = weighs.then(|| Unweighted::new(&known));
         for (X_CT, seen) in &captured {
             known += matrix(measurement.information(X_CT, seen), known.nrows())?;
+            if let Some(unweighted) = &mut unweighted {
+                unweighted.add(&measurement, X_CT, seen).ok_or(CertifyError::Undetermined)?;
+            }
         }
         let rules = Rules::new(problem, survey);
-        let mut evidence = Self { problem, survey, measurement, known, terms: Vec::new(), rules };
+        let mut evidence = Self { problem, survey, measurement, known, unweighted, terms: Vec::new(), rules };
         evidence.terms = match &problem.selection.goal {
             Goal::Best { criteria, .. } => criteria
                 .iter()
@@ -225,6 +232,16 @@ impl<'a> Evidence<'a> {
         let map_error = (self.problem.unknowns().map_error_weight() * &covariance).trace().sqrt();
         let sigma = covariance.diagonal().iter().map(|variance| variance.sqrt()).collect();
         Ok(Accuracies { sigma, map_error, uncertainty: uncertainty(&scaled(&M).0) })
+    }
+
+    /// The covariance of the poses' intrinsics where nothing is weighed, if that is not the same.
+    pub(super) fn unweighted(&self, selected: &[usize]) -> Result<Option<DMatrix<f64>>, CertifyError> {
+        let Some(mut unweighted) = self.unweighted.clone() else { return Ok(None) };
+        for &i in selected {
+            let View { X_CT, seen, .. } = &self.survey.views[i];
+            unweighted.add(&self.measurement, X_CT, seen).ok_or(CertifyError::Undetermined)?;
+        }
+        Ok(unweighted.covariance())
     }
 
     /// log Φ in the unit in which plans state it: log det, a variance, an eigenvalue; of several terms or accuracies Φ.

@@ -1,9 +1,11 @@
 //! Fields of a plan that are made anew and compared.
 
+use nalgebra::DMatrix;
+
 use super::compare::{alike, near, number, numbers, other, same};
 use super::error::CertifyError;
 use super::evidence::Accuracies;
-use crate::plan::document::{Intrinsics, PlannedPose, Pose, SurveyCounts};
+use crate::plan::document::{Intrinsics, PlannedPose, Pose, SurveyCounts, UnweightedAccuracy};
 use crate::problem::{Goal, Method, Problem};
 
 /// Numbers of a pose agree to this: m, degrees, entries of a quaternion.
@@ -79,4 +81,24 @@ pub(crate) fn are_those_intrinsics(
     same("the list of intrinsics", &names.join(", "), &unknowns.names().join(", "))?;
     numbers("nominal value", nominal, &unknowns.values(), |what, stated, found| same(what, &stated, &found))?;
     numbers("predicted sigma", sigma, &found.sigma, |what, stated, found| number(what, stated, found, tolerance))
+}
+
+/// What a calibration that weighs nothing makes of the poses.
+pub(crate) fn are_those_unweighted(
+    stated: Option<&UnweightedAccuracy>,
+    problem: &Problem,
+    covariance: Option<DMatrix<f64>>,
+    tolerance: f64,
+) -> Result<(), CertifyError> {
+    let (UnweightedAccuracy { sigma, map_error_px }, covariance) = match (stated, covariance) {
+        (Some(stated), Some(covariance)) => (stated, covariance),
+        (None, None) => return Ok(()),
+        (Some(_), None) => return Err(other("the accuracy without weights", "stated", "the same as with")),
+        (None, Some(_)) => return Err(other("the accuracy without weights", "not stated", "another than with")),
+    };
+    let map_error = (problem.unknowns().map_error_weight() * &covariance).trace().sqrt();
+    let deviations: Vec<f64> = covariance.diagonal().iter().map(|variance| variance.sqrt()).collect();
+    let close = |what: &str, stated: f64, found: f64| number(what, stated, found, tolerance);
+    numbers("predicted sigma without weights", sigma, &deviations, close)?;
+    close("the map error without weights", *map_error_px, map_error)
 }

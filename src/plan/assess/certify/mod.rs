@@ -22,7 +22,7 @@ use crate::plan::survey::Survey;
 use crate::problem::{Accuracy, Problem};
 use compare::{alike, different, near, number, other, same};
 use evidence::{Accuracies, Evidence, Rounded};
-use fields::{are_those_counts, are_those_intrinsics, is_by_that_method, is_that_pose};
+use fields::{are_those_counts, are_those_intrinsics, are_those_unweighted, is_by_that_method, is_that_pose};
 use unchecked::{BY_SEARCH, EFFORT, MADE_BY};
 
 /// Numbers that are the same agree to this share, and to what rounding may have moved them beyond.
@@ -93,6 +93,7 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
         collision,
         intrinsics,
         map_error_px,
+        unweighted,
         certificate,
         search,
         fewest,
@@ -134,6 +135,7 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
     trusted("the predicted accuracy", accuracies.uncertainty)?;
     are_those_intrinsics(intrinsics, problem, &accuracies, SAME + accuracies.uncertainty)?;
     number("the map error", *map_error_px, accuracies.map_error, SAME + accuracies.uncertainty)?;
+    are_those_unweighted(unweighted.as_ref(), problem, evidence.unweighted(&selected)?, SAME + accuracies.uncertainty)?;
 
     let bound = evidence.bound(certificate, selected.len())?;
     let tolerance = SAME + value.uncertainty + bound.uncertainty;

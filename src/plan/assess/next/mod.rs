@@ -9,6 +9,7 @@ pub use rehearsal::Rehearsal;
 
 use crate::calibration::{Calibration, Observations};
 use crate::feasibility::View;
+use crate::information::Noise;
 use crate::plan::choose::{Chooser, PlanError, refined_survey};
 use crate::plan::document::{
     Document, EstimatedIntrinsics, NextDocument, Plan, PlannedPose, SimulatedMapError, finite, poses_csv,
@@ -101,7 +102,11 @@ pub fn next(
     is_new: bool,
     observe: &(dyn Fn(usize) + Sync),
 ) -> Result<Proposal, PlanError> {
-    let mut problem = Problem { camera: calibration.camera.clone(), noise: calibration.sigma, ..problem.clone() };
+    let mut problem = Problem {
+        camera: calibration.camera.clone(),
+        noise: Noise { sigma: calibration.sigma, ..problem.noise },
+        ..problem.clone()
+    };
     let survey = refined_survey(&problem, observe)?;
     let taken = Taken::new(observations, &calibration.camera);
     if is_new {

@@ -54,7 +54,8 @@ pub(crate) fn rehearse(
         let scene = scene(observations, calibration, proposed, truth)?;
         let seen = scene.observe(observations.board(), rng.r#gen()).ok()?;
         let estimated = &calibration.estimated;
-        let found = calibrate(&seen, &calibration.camera, estimated, &CalibrationSettings::default()).ok()?;
+        let settings = CalibrationSettings { noise: calibration.noise, ..CalibrationSettings::default() };
+        let found = calibrate(&seen, &calibration.camera, estimated, &settings).ok()?;
         let (found, truth) = (found.camera.intrinsics(), scene.camera.intrinsics());
         let deviation = DVector::from_iterator(estimated.len(), estimated.iter().map(|&j| found[j] - truth[j]));
         Some(deviation.dot(&(W * &deviation)).max(0.0).sqrt())
@@ -83,5 +84,6 @@ fn scene(observations: &Observations, calibration: &Calibration, proposed: &[&Vi
         Corners::Some(indices)
     });
     let seen: Vec<Corners> = seen.chain(proposed.iter().map(|view| view.seen.clone())).collect();
-    Some(Scene { camera: truth, sigma: vec![calibration.sigma; poses.len()], poses, seen, missing: 0.0 })
+    let (sigma, noise) = (vec![calibration.sigma; poses.len()], calibration.noise);
+    Some(Scene { camera: truth, sigma, noise, poses, seen, missing: 0.0 })
 }

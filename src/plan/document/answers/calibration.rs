@@ -37,8 +37,11 @@ pub struct CalibrationDocument {
     pub converged: bool,
     /// RMS length of the residuals.
     pub rms_px: f64,
-    /// Standard deviation of one pixel coordinate of a corner.
+    /// Standard deviation of one pixel coordinate of a corner; under `edges` of one seen square-on.
     pub sigma_px: f64,
+    /// By what the corners were weighed: `constant`, or `edges`, those that the detector saw; older calibrations do not say.
+    #[serde(default)]
+    pub noise_model: Option<String>,
     /// The residuals' lengths, and their mean.
     pub residuals_px: ResidualLengths,
     /// The views.
@@ -227,6 +230,7 @@ impl CalibrationDocument {
             converged: calibration.convergence.converged,
             rms_px: calibration.rms,
             sigma_px: calibration.sigma,
+            noise_model: Some(calibration.noise.name().name().into()),
             residuals_px: ResidualLengths {
                 median: finite(lengths.median),
                 percentile_95: finite(lengths.percentile_95),

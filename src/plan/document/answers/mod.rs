@@ -6,6 +6,7 @@ mod comparison;
 mod explanation;
 mod figures;
 mod next;
+mod noise;
 mod verification;
 
 pub use calibration::{
@@ -17,4 +18,5 @@ pub use comparison::{ComparisonDocument, ComparisonEquivalent, ComparisonRow, Me
 pub use explanation::{CombinationTerm, CurvePoint, Explanation, LeastKnown, PoseExplanation, SparePose, Suffering};
 pub use figures::{FigureFile, FiguresDocument};
 pub use next::{NextDocument, SimulatedMapError};
+pub use noise::{MeasuredNoise, NoiseDocument};
 pub use verification::{FailedTrial, MapErrorCheck, ParameterCheck, Verification};

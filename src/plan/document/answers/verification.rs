@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::plan::document::header::{Document, Header, ProblemReference, finite};
 use crate::plan::document::plan::Plan;
-use crate::verification::{Judgement, MonteCarlo};
+use crate::verification::{Judgement, MonteCarlo, Weighing};
 
 /// Confidence of the intervals.
 const CONFIDENCE: f64 = 0.99;
@@ -30,6 +30,9 @@ pub struct Verification {
     pub trials: usize,
     /// Seed of the simulation.
     pub seed: u64,
+    /// Whether the corners were all given one weight though they scatter unequally.
+    #[serde(default)]
+    pub unweighted: bool,
     /// Confidence of the intervals.
     pub confidence: f64,
     /// The intrinsics.
@@ -101,8 +104,8 @@ impl Verification {
         fits.then_some(found)
     }
 
-    /// What was `found` for `plan` in trials of the `seed`, and how it is judged.
-    pub fn new(plan: &Plan, found: &MonteCarlo, judgement: &Judgement, seed: u64) -> Self {
+    /// What was `found` for `plan` in trials of the `seed` weighed like that, and how it is judged.
+    pub fn new(plan: &Plan, found: &MonteCarlo, judgement: &Judgement, weighing: Weighing, seed: u64) -> Self {
         let parameters = found.parameters.iter().map(|p| ParameterCheck {
             name: p.name.into(),
             predicted_sigma: finite(p.predicted_sigma),
@@ -118,6 +121,7 @@ impl Verification {
             count: plan.count,
             trials: found.count,
             seed,
+            unweighted: weighing == Weighing::Unweighted,
             confidence: CONFIDENCE,
             parameters: parameters.collect(),
             map_error_px: MapErrorCheck {

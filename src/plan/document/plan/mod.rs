@@ -19,6 +19,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::feasibility::View;
 use crate::plan::choose::{Chooser, Decision, PlanError};
 use crate::plan::document::header::{Document, Header, ProblemReference};
 use crate::robot::Joint;
@@ -56,6 +57,9 @@ pub struct Plan {
     pub intrinsics: Intrinsics,
     /// Predicted RMS error of the calibrated projection over the image, in px.
     pub map_error_px: f64,
+    /// What plain least squares would make of the poses, where the corners scatter unequally.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub unweighted: Option<UnweightedAccuracy>,
     /// The proof of the bound; where a search followed, of the bound that it started from.
     pub certificate: CertificateDocument,
     /// How the search for the proven best set went, if there was one.
@@ -110,6 +114,22 @@ pub struct Intrinsics {
     pub sigma: Vec<f64>,
 }
 
+/// What a calibration that gives all corners one weight, as OpenCV's `calibrateCamera` does, makes of the poses.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct UnweightedAccuracy {
+    /// Predicted standard deviations of the intrinsics, in their order.
+    pub sigma: Vec<f64>,
+    /// Predicted RMS error of the calibrated projection over the image, in px.
+    pub map_error_px: f64,
+}
+
+impl UnweightedAccuracy {
+    /// Of `views`, in the survey of `chooser` or not; `None` where weights change nothing.
+    pub(crate) fn new<'v>(chooser: &Chooser, views: impl IntoIterator<Item = &'v View>) -> Option<Self> {
+        chooser.unweighted(views).map(|(sigma, map_error_px)| Self { sigma, map_error_px })
+    }
+}
+
 impl Document for Plan {
     const FORMAT: &'static str = "calipose.plan";
     const VERSION: u32 = 3;
@@ -153,6 +173,7 @@ impl Plan {
                 sigma: choice.sigma.clone(),
             },
             map_error_px: choice.map_error,
+            unweighted: UnweightedAccuracy::new(chooser, choice.selected.iter().map(|&i| &survey.views[i])),
             certificate: document(&decision.certificate),
             search: decision.search.as_ref().map(SearchDocument::new),
             fewest,

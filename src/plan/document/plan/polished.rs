@@ -3,9 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Intrinsics;
 use super::pose::{PlannedPose, poses_csv};
 use super::proof::CertificateDocument;
+use super::{Intrinsics, UnweightedAccuracy};
 use crate::plan::document::header::{Document, Header, ProblemReference};
 use crate::robot::Joint;
 
@@ -35,6 +35,9 @@ pub struct PolishedPlan {
     pub intrinsics: Intrinsics,
     /// Predicted RMS error of the calibrated projection over the image, in px.
     pub map_error_px: f64,
+    /// What plain least squares would make of the poses, where the corners scatter unequally.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub unweighted: Option<UnweightedAccuracy>,
     /// Cycles over all poses.
     pub cycles: usize,
     /// Whether the last cycle gained next to nothing.

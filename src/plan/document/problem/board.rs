@@ -33,7 +33,9 @@ pub struct BoardDocument {
 /// The pattern. Seen from the front, on the page, x points to the right and y up; corner 0 is the lower left one.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
 pub struct PatternDocument {
-    /// What kind of target it is, and what it is made of.
+    /// What kind of target it is, as problem files name it.
+    pub kind: String,
+    /// What it is made of, in the keys that problem files have for the kind; those of other kinds are left out.
     #[serde(flatten)]
     pub board: BoardDescription,
     /// Width and height of what is printed.
@@ -44,70 +46,39 @@ pub struct PatternDocument {
     pub corners_mm: Vec<[f64; 2]>,
 }
 
-/// A board by its kind, in the keys of problem files.
-#[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
-#[serde(tag = "kind", rename_all = "kebab-case")]
-pub enum BoardDescription {
-    /// A checkerboard.
-    Checkerboard {
-        /// Inner corners along x.
-        columns: usize,
-        /// Inner corners along y.
-        rows: usize,
-        /// Side of a square.
-        square_mm: f64,
-    },
-    /// `OpenCV`'s `ChArUco` board.
-    Charuco {
-        /// Squares along x.
-        columns: usize,
-        /// Squares along y.
-        rows: usize,
-        /// Side of a square.
-        square_mm: f64,
-        /// Side of a marker.
-        marker_mm: f64,
-        /// `OpenCV`'s name of the markers' dictionary.
-        dictionary: String,
-        /// Whether it is that of `OpenCV` before 4.6.
-        legacy_pattern: bool,
-    },
-    /// Kalibr's grid of tags.
-    #[serde(rename = "aprilgrid")]
-    AprilGrid {
-        /// Tags along x.
-        columns: usize,
-        /// Tags along y.
-        rows: usize,
-        /// Side of a tag.
-        tag_mm: f64,
-        /// Space between tags as a share of that.
-        tag_spacing: f64,
-    },
-    /// A grid of circles.
-    Circles {
-        /// Circles in a row.
-        columns: usize,
-        /// Rows.
-        rows: usize,
-        /// Distance of neighbours in a row.
-        spacing_mm: f64,
-        /// Diameter of a circle.
-        diameter_mm: f64,
-    },
-    /// A grid of circles whose every other row is half a step to the right.
-    AsymmetricCircles {
-        /// Circles in a row.
-        columns: usize,
-        /// Rows.
-        rows: usize,
-        /// Distance of neighbours in a row.
-        spacing_mm: f64,
-        /// Diameter of a circle.
-        diameter_mm: f64,
-    },
-    /// Points anywhere.
-    Points,
+/// What a board is made of, in the keys of problem files.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, JsonSchema)]
+pub struct BoardDescription {
+    /// Inner corners along x; squares, tags or circles, by the kind.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub columns: Option<usize>,
+    /// The same along y.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rows: Option<usize>,
+    /// Side of a square.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub square_mm: Option<f64>,
+    /// Side of a marker.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub marker_mm: Option<f64>,
+    /// `OpenCV`'s name of the markers' dictionary.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dictionary: Option<String>,
+    /// Whether it is a `ChArUco` board of `OpenCV` before 4.6.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub legacy_pattern: Option<bool>,
+    /// Side of a tag.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tag_mm: Option<f64>,
+    /// Space between tags as a share of that.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tag_spacing: Option<f64>,
+    /// Distance of neighbours in a row of circles.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spacing_mm: Option<f64>,
+    /// Diameter of a circle.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub diameter_mm: Option<f64>,
 }
 
 /// A page.
@@ -161,6 +132,7 @@ impl BoardDocument {
             header: Self::header(),
             problem: ProblemReference::new(problem),
             pattern: PatternDocument {
+                kind: problem.target.board.kind().into(),
                 board: BoardDescription::new(&problem.target.board),
                 size_mm: artwork.size.map(rounded),
                 white_mm: rounded(print.white),
@@ -182,33 +154,31 @@ impl BoardDescription {
     fn new(board: &Board) -> Self {
         match board {
             &Board::Checkerboard(Checkerboard { columns, rows, square }) => {
-                Self::Checkerboard { columns, rows, square_mm: mm(square) }
+                Self { square_mm: Some(mm(square)), ..Self::sides(columns, rows) }
             }
-            Board::Charuco(board) => Self::Charuco {
-                columns: board.columns(),
-                rows: board.rows(),
-                square_mm: mm(board.square()),
-                marker_mm: mm(board.marker()),
-                dictionary: board.dictionary().name().into(),
-                legacy_pattern: board.is_legacy(),
+            Board::Charuco(board) => Self {
+                square_mm: Some(mm(board.square())),
+                marker_mm: Some(mm(board.marker())),
+                dictionary: Some(board.dictionary().name().into()),
+                legacy_pattern: Some(board.is_legacy()),
+                ..Self::sides(board.columns(), board.rows())
             },
-            Board::AprilGrid(board) => Self::AprilGrid {
-                columns: board.columns(),
-                rows: board.rows(),
-                tag_mm: mm(board.tag()),
-                tag_spacing: board.spacing(),
+            Board::AprilGrid(board) => Self {
+                tag_mm: Some(mm(board.tag())),
+                tag_spacing: Some(board.spacing()),
+                ..Self::sides(board.columns(), board.rows())
             },
-            Board::Circles(board) => {
-                let (columns, rows) = (board.columns(), board.rows());
-                let (spacing_mm, diameter_mm) = (mm(board.spacing()), mm(board.diameter()));
-                if board.is_asymmetric() {
-                    Self::AsymmetricCircles { columns, rows, spacing_mm, diameter_mm }
-                } else {
-                    Self::Circles { columns, rows, spacing_mm, diameter_mm }
-                }
-            }
-            Board::Points(_) => Self::Points,
+            Board::Circles(board) => Self {
+                spacing_mm: Some(mm(board.spacing())),
+                diameter_mm: Some(mm(board.diameter())),
+                ..Self::sides(board.columns(), board.rows())
+            },
+            Board::Points(_) => Self::default(),
         }
+    }
+
+    fn sides(columns: usize, rows: usize) -> Self {
+        Self { columns: Some(columns), rows: Some(rows), ..Self::default() }
     }
 }
 

@@ -9,7 +9,7 @@ use serde::de::{Deserializer, Error, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 
 use crate::camera::Lens;
-use crate::information::Criterion;
+use crate::information::{Criterion, NoiseName};
 use crate::problem::Method;
 use crate::robot::JointKind;
 use crate::robot::dh::Convention;
@@ -107,6 +107,16 @@ impl Choice for MountName {
             Self::RosBody => "ros-body",
             Self::OpenGl => "opengl",
         }
+    }
+}
+
+impl Choice for NoiseName {
+    fn all() -> &'static [Self] {
+        &Self::ALL
+    }
+
+    fn name(self) -> &'static str {
+        self.name()
     }
 }
 

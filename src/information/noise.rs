@@ -1,0 +1,262 @@
+//! How far detected points scatter.
+//!
+//! Point j of a view has a 2×2 covariance `Σ_j`. *Edges*: a corner is found where the edges that meet in it are seen to cross.
+//! In the picture they run along the unit vectors e₁ and e₂, `n_d ⟂ e_d`, and within the detector's window lengths `ℓ_d` of
+//! them are seen. What the grey values' gradients there know of the corner's place is their structure tensor (Förstner and
+//! Gülch 1987),
+//!
+//! ```text
+//!     T = ℓ₁ n₁n₁ᵀ + ℓ₂ n₂n₂ᵀ        Σ = σ² 2w T⁻¹        (w half the window's side)
+//! ```
+//!
+//! so that σ is the deviation of a corner of large squares that are seen square-on, for which T = 2w·1. The edge of a circle
+//! tells of its centre in the same way, `T = ∮ n nᵀ ds`.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{Matrix2, SMatrix, Vector2};
+
+use crate::target::Feature;
+
+/// How far detected points scatter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Noise {
+    /// Standard deviation in px, in each direction; of the edges' model that of a corner of large squares seen square-on.
+    pub sigma: f64,
+    /// How it depends on the view.
+    pub model: NoiseModel,
+}
+
+/// How the scatter of a detected point depends on how it is seen.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum NoiseModel {
+    /// Not at all.
+    #[default]
+    Constant,
+    /// By the edges that the detector sees.
+    Edges {
+        /// Half the side of the detector's window in px.
+        window: f64,
+    },
+}
+
+/// A [`NoiseModel`] without its numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum NoiseName {
+    /// [`NoiseModel::Constant`].
+    Constant,
+    /// [`NoiseModel::Edges`], which rendered pictures confirm.
+    #[default]
+    Edges,
+}
+
+/// The upper triangle W of a 2×2 matrix with `WᵀW = σ² Σ⁻¹`: residuals and derivatives times W are as those of a point with
+/// the standard deviation σ in each direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Whitening {
+    xx: f64,
+    xy: f64,
+    yy: f64,
+}
+
+/// Points of a circle's edge that are looked at.
+const EDGE_POINTS: u32 = 24;
+
+/// Least share of a window's edges that a detector sees in a direction: a square seen edge-on is no corner, and the limit only
+/// keeps the numbers finite.
+const LEAST_SHARE: f64 = 1e-6;
+
+impl Whitening {
+    /// Of a point with the standard deviation σ in each direction.
+    pub const NONE: Self = Self { xx: 1.0, xy: 0.0, yy: 1.0 };
+
+    /// Of a symmetric positive definite matrix `σ² Σ⁻¹`.
+    fn of(precision: &Matrix2<f64>) -> Self {
+        let xx = precision.m11.sqrt();
+        let xy = precision.m12 / xx;
+        Self { xx, xy, yy: (precision.m22 - xy * xy).max(0.0).sqrt() }
+    }
+
+    /// The same of a point of another weight: that much less scatter.
+    #[must_use]
+    pub fn weighted(self, weight: f64) -> Self {
+        Self { xx: weight * self.xx, xy: weight * self.xy, yy: weight * self.yy }
+    }
+
+    /// `W r`.
+    #[inline]
+    pub fn whitened(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        [self.xx * x + self.xy * y, self.yy * y]
+    }
+
+    /// `W A`.
+    pub fn of_rows<const N: usize>(&self, A: &SMatrix<f64, 2, N>) -> SMatrix<f64, 2, N> {
+        Matrix2::new(self.xx, self.xy, 0.0, self.yy) * A
+    }
+
+    /// `W⁻¹ z`: of a z with unit covariance a draw of the point's scatter, over σ.
+    pub fn coloured(&self, [x, y]: [f64; 2]) -> Vector2<f64> {
+        let y = y / self.yy;
+        Vector2::new((x - self.xy * y) / self.xx, y)
+    }
+
+    /// `Σ / σ²`.
+    pub fn covariance(&self) -> Matrix2<f64> {
+        let columns = [[1.0, 0.0], [0.0, 1.0]].map(|z| self.coloured(z));
+        columns[0] * columns[0].transpose() + columns[1] * columns[1].transpose()
+    }
+}
+
+impl NoiseModel {
+    /// The whitening of a point by what it is and by the derivative of its pixel by its place on the board (px per m).
+    #[inline]
+    pub fn whitening(&self, feature: &Feature, by_place: &Matrix2<f64>) -> Whitening {
+        match self {
+            Self::Constant => Whitening::NONE,
+            Self::Edges { window } => edges(*window, feature, by_place),
+        }
+    }
+
+    /// Half the side of the window, px, where nothing is said: what most programs give OpenCV's `cornerSubPix`.
+    pub const USUAL_WINDOW: f64 = 5.0;
+
+    /// Which it is.
+    pub fn name(&self) -> NoiseName {
+        match self {
+            Self::Constant => NoiseName::Constant,
+            Self::Edges { .. } => NoiseName::Edges,
+        }
+    }
+}
+
+impl NoiseName {
+    /// Every model.
+    pub const ALL: [Self; 2] = [Self::Constant, Self::Edges];
+
+    /// Name as written in problem files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Constant => "constant",
+            Self::Edges => "edges",
+        }
+    }
+}
+
+fn edges(window: f64, feature: &Feature, by_place: &Matrix2<f64>) -> Whitening {
+    let T = match feature {
+        Feature::Point => return Whitening::NONE,
+        Feature::Corner { edges, is_crossing } => of_corner(window, edges, *is_crossing, by_place),
+        Feature::Circle { radius } => of_circle(*radius, by_place),
+    };
+    let least = Matrix2::from_diagonal_element(LEAST_SHARE);
+    Whitening::of(&(T / (2.0 * window) + least))
+}
+
+/// T of a corner, px: of its edges, `edges` on the board in m, the part that is in the window and not beyond the next corner.
+fn of_corner(window: f64, edges: &[Vector2<f64>; 2], is_crossing: bool, by_place: &Matrix2<f64>) -> Matrix2<f64> {
+    let sides = if is_crossing { 2.0 } else { 1.0 };
+    let of_edge = |edge: &Vector2<f64>| {
+        let along = by_place * edge;
+        let length = along.norm();
+        if length == 0.0 {
+            return Matrix2::zeros();
+        }
+        let n = Vector2::new(-along.y, along.x) / length;
+        // The window is a square.
+        let seen = sides * (window / n.amax()).min(length);
+        n * n.transpose() * seen
+    };
+    edges.iter().map(of_edge).sum()
+}
+
+/// T of the centre of a circle, px.
+fn of_circle(radius: f64, by_place: &Matrix2<f64>) -> Matrix2<f64> {
+    let step = TAU / f64::from(EDGE_POINTS);
+    let of_point = |i: u32| {
+        let φ = step * f64::from(i);
+        let along = by_place * Vector2::new(-φ.sin(), φ.cos()) * radius;
+        let n = Vector2::new(-along.y, along.x);
+        n * n.transpose() / along.norm() * step
+    };
+    (0..EDGE_POINTS).map(of_point).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EDGES: NoiseModel = NoiseModel::Edges { window: 5.0 };
+
+    fn corner(is_crossing: bool) -> Feature {
+        Feature::Corner { edges: [Vector2::new(0.03, 0.0), Vector2::new(0.0, 0.03)], is_crossing }
+    }
+
+    /// Σ / σ² of a crossing whose edges in the picture are `a` and `b`, in px.
+    fn covariance(a: [f64; 2], b: [f64; 2]) -> Matrix2<f64> {
+        let by_place = Matrix2::from_columns(&[a.into(), b.into()]) / 0.03;
+        EDGES.whitening(&corner(true), &by_place).covariance()
+    }
+
+    fn assert_near(found: &Matrix2<f64>, expected: [[f64; 2]; 2]) {
+        let expected = Matrix2::new(expected[0][0], expected[0][1], expected[1][0], expected[1][1]);
+        assert!((found - expected).abs().max() < 4e-3 * expected.abs().max(), "{found} {expected}");
+    }
+
+    #[test]
+    fn a_large_corner_seen_square_on_has_the_noise_stated() {
+        assert_near(&covariance([30.0, 0.0], [0.0, 30.0]), [[1.0, 0.0], [0.0, 1.0]]);
+        // Turned by 45°, the window's diagonals are √2 as long.
+        assert_near(&covariance([30.0, 30.0], [-30.0, 30.0]), [[0.5f64.sqrt(), 0.0], [0.0, 0.5f64.sqrt()]]);
+    }
+
+    #[test]
+    fn small_squares_show_less_of_their_edges() {
+        // Of the window's 5 px 4 are seen on each side; along the longer edge, which tells of y, all.
+        assert_near(&covariance([4.0, 0.0], [0.0, 4.0]), [[1.25, 0.0], [0.0, 1.25]]);
+        assert_near(&covariance([30.0, 0.0], [0.0, 4.0]), [[1.25, 0.0], [0.0, 1.0]]);
+    }
+
+    #[test]
+    fn edges_that_meet_at_a_sharp_angle_leave_the_place_along_them_open() {
+        // At ±30° to the x axis, both seen over 2 · 5 / cos 30°: T = 2w / cos 30° · diag(2 sin² 30°, 2 cos² 30°).
+        let (c, s) = (30f64.to_radians().cos(), 30f64.to_radians().sin());
+        let found = covariance([60.0 * c, 60.0 * s], [60.0 * c, -60.0 * s]);
+        assert_near(&found, [[c / (2.0 * s * s), 0.0], [0.0, c / (2.0 * c * c)]]);
+    }
+
+    #[test]
+    fn an_edge_that_ends_in_the_corner_tells_half_as_much() {
+        let by_place = Matrix2::identity() * 1000.0;
+        let ratio = EDGES.whitening(&corner(false), &by_place).covariance() / 2.0;
+        assert_near(&ratio, [[1.0, 0.0], [0.0, 1.0]]);
+    }
+
+    #[test]
+    fn a_circle_seen_at_an_angle_is_worse_known_along_its_long_axis() {
+        let circle = Feature::Circle { radius: 0.01 };
+        // Square-on, radius 20 px: T = π · 20 · 1, against 2 · 5.
+        let round = EDGES.whitening(&circle, &(Matrix2::identity() * 2000.0)).covariance();
+        assert_near(&round, [[10.0 / (20.0 * std::f64::consts::PI), 0.0], [0.0, 10.0 / (20.0 * std::f64::consts::PI)]]);
+        let flat = EDGES.whitening(&circle, &Matrix2::new(2000.0, 0.0, 0.0, 500.0)).covariance();
+        assert!(flat.m11 > 2.0 * flat.m22 && flat.m12.abs() < 1e-12, "{flat}");
+    }
+
+    #[test]
+    fn whitening_and_colouring_are_inverse() {
+        let by_place = Matrix2::new(900.0, 200.0, -150.0, 300.0);
+        let whitening = EDGES.whitening(&corner(true), &by_place).weighted(1.7);
+        let z = [0.3, -1.2];
+        let back = whitening.whitened(whitening.coloured(z).into());
+        assert!((back[0] - z[0]).abs() < 1e-14 && (back[1] - z[1]).abs() < 1e-14);
+        let W = Matrix2::from_columns(&[whitening.whitened([1.0, 0.0]).into(), whitening.whitened([0.0, 1.0]).into()]);
+        assert!((whitening.covariance() * W.transpose() * W - Matrix2::identity()).norm() < 1e-12);
+    }
+
+    #[test]
+    fn an_edge_on_board_has_finite_noise() {
+        let by_place = Matrix2::new(900.0, 0.0, 0.0, 1e-9);
+        assert!(EDGES.whitening(&corner(true), &by_place).covariance().iter().all(|entry| entry.is_finite()));
+        let nothing = Matrix2::new(900.0, 0.0, 0.0, 0.0);
+        assert!(EDGES.whitening(&corner(true), &nothing).covariance().iter().all(|entry| entry.is_finite()));
+    }
+}

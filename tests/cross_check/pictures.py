@@ -1,0 +1,301 @@
+"""What plans are worth on pictures: rendered, detected and calibrated by NumPy and OpenCV alone.
+
+    python tests/cross_check/pictures.py [--seeds N] PROBLEM PLAN [PROBLEM PLAN ...]
+    python tests/cross_check/pictures.py [--seeds N] --scatter
+
+From a plan's camera poses and its problem file the picture of every pose is rendered: the lens, antialiasing, blur, a gradient of the
+light, and for every seed the sensor's noise, at two levels. OpenCV's two chessboard detectors must find every board without noise;
+cornerSubPix finds the corners, `cv2.calibrateCamera` and `calipose calibrate` the camera, from the corners alone. Printed are the
+corners' scatter and the true map error over the image's area after the best rotation, as a whole, and as scatter over the seeds
+and the systematic rest, beside what the plan predicts for so much noise. With --scatter, views of one board between 0 and 70 degrees
+of tilt and squares of 8 to 60 px hold the scatter of cornerSubPix against the model of the noise. Exits with 1 where a prediction is
+off by more than 15 %, or a board is not found.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import tomllib
+from multiprocessing import Pool
+from pathlib import Path
+
+import map_error
+from environment import run_with
+from map_error import Camera, corners, from_rpy, rotation, whiteners
+
+ROOT = Path(__file__).resolve().parents[2]
+AGREE = 0.15
+
+# Grey values.
+BLACK, WHITE, AROUND = 40.0, 200.0, 110.0
+LEVELS = {"clean": 2.0, "noisy": 16.0}
+# The light changes by this share from left to right.
+GRADIENT = 0.1
+BLUR_PX = 0.6
+SUBPIXELS = 8
+# The white around the squares, in squares.
+QUIET = 1
+WINDOW_PX = 5
+GAUSS_ORDER = 24
+
+
+class Views:
+    """One board from several sides: the poses of a plan, or any."""
+
+    def __init__(self, camera, target, poses):
+        self.camera, self.target, self.poses = camera, target, poses
+        self.board = corners(target)
+        width, height = camera.size
+        u, v = np.meshgrid(np.arange(width, dtype=float), np.arange(height, dtype=float))
+        # Rays through the pixels' centres, and how they change to the next: between pixels they are as good as linear.
+        self.rays = camera.rays(np.column_stack([u.ravel(), v.ravel()]))[:, :2].reshape(height, width, 2)
+        self.slopes = np.gradient(self.rays, axis=1), np.gradient(self.rays, axis=0)
+
+    def project(self, pose, points=None):
+        R, t = pose
+        return self.camera.project(self.board if points is None else points, cv2.Rodrigues(R)[0], t.reshape(3, 1))
+
+    def is_black(self, x, y):
+        columns, rows, square = self.target["columns"], self.target["rows"], self.target["square_mm"] / 1e3
+        i, j = np.floor(x / square + (columns + 1) / 2), np.floor(y / square + (rows + 1) / 2)
+        return (i >= 0) & (i <= columns) & (j >= 0) & (j <= rows) & ((i + j) % 2 == 0)
+
+    def picture(self, pose):
+        """Grey values without the sensor's noise."""
+        R, t = pose
+        width, height = self.camera.size
+        square = self.target["square_mm"] / 1e3
+        reach_x, reach_y = [((self.target[side] + 1) / 2 + QUIET) * square for side in ("columns", "rows")]
+        grey = np.full((height, width), AROUND)
+        rim = np.array([[x, y, 0] for x in np.linspace(-reach_x, reach_x, 20) for y in np.linspace(-reach_y, reach_y, 20)])
+        pixels = self.project(pose, rim[(rim @ R.T + t)[:, 2] > 0.01])
+        low = np.clip(np.floor(pixels.min(0)) - 4, 0, [width - 1, height - 1]).astype(int)
+        high = np.clip(np.ceil(pixels.max(0)) + 5, 1, [width, height]).astype(int)
+        part = slice(low[1], high[1]), slice(low[0], high[0])
+        rays, along_u, along_v = self.rays[part], self.slopes[0][part], self.slopes[1][part]
+        offsets = (np.arange(SUBPIXELS) + 0.5) / SUBPIXELS - 0.5
+        total = np.zeros(rays.shape[:2])
+        normal = R[:, 2]
+        for dv in offsets:
+            for du in offsets:
+                ray = rays + along_u * du + along_v * dv
+                depth = normal @ t / (ray[..., 0] * normal[0] + ray[..., 1] * normal[1] + normal[2])
+                x, y = [(ray[..., 0] * depth - t[0]) * R[0, k] + (ray[..., 1] * depth - t[1]) * R[1, k] + (depth - t[2]) * R[2, k]
+                        for k in (0, 1)]
+                paper = (np.abs(x) < reach_x) & (np.abs(y) < reach_y) & (depth > 0)
+                total += np.where(paper, np.where(self.is_black(x, y), BLACK, WHITE), AROUND)
+        grey[part] = total / SUBPIXELS**2
+        light = 1 + GRADIENT * (np.arange(width) / (width - 1) - 0.5)
+        return cv2.GaussianBlur(grey * light, (0, 0), BLUR_PX, borderType=cv2.BORDER_REPLICATE)
+
+
+def exposed(picture, noise, rng):
+    return np.clip(np.rint(picture + noise * rng.standard_normal(picture.shape)), 0, 255).astype(np.uint8)
+
+
+def detected(picture, truth):
+    """The corners by cornerSubPix, from half a pixel beside the true ones."""
+    start = truth + 0.5 * np.sign(np.sin(1.7 * np.arange(truth.size).reshape(truth.shape)))
+    until = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 60, 1e-4)
+    found = cv2.cornerSubPix(picture, start.astype(np.float32).reshape(-1, 1, 2), (WINDOW_PX, WINDOW_PX), (-1, -1), until)
+    return found.reshape(-1, 2).astype(float)
+
+
+def share(work, items):
+    """The work on all items, on two cores; what it needs beside an item is in the parent's memory."""
+    with Pool(2) as pool:
+        return pool.map(work, items, chunksize=1)
+
+
+# --- The scatter of corners
+
+
+def scatter_of_view(index):
+    views, seeds = STATE["views"], STATE["seeds"]
+    pose = views.poses[index]
+    picture, truth = views.picture(pose), views.project(pose)
+    rng = np.random.default_rng(index)
+    seen = np.array([detected(exposed(picture, 8.0, rng), truth) for _ in range(seeds)])
+    deviations = seen - seen.mean(0)
+    rvec, tvec = cv2.Rodrigues(pose[0])[0], pose[1].reshape(3, 1)
+    W = whiteners(views.target, views.camera, views.board, rvec, tvec, {"sigma_px": 1.0, "window_px": WINDOW_PX})
+    freedoms = 2 * (seeds - 1) * len(truth)
+    whitened = np.einsum("jik,sjk->sji", W, deviations)
+    return np.sqrt((deviations**2).sum() / freedoms), np.sqrt((whitened**2).sum() / freedoms)
+
+
+def random_views(count):
+    target = {"columns": 8, "rows": 6, "square_mm": 30}
+    camera = Camera({"width_px": 1280, "height_px": 720, "fx_px": 1000, "fy_px": 1000, "distortion": {"model": "brown-conrady"}})
+    rng, poses, kinds = np.random.default_rng(0), [], []
+    views = Views(camera, target, poses)
+    while len(poses) < count:
+        tilt, spacing = rng.uniform(0, 70), np.exp(rng.uniform(np.log(8), np.log(60)))
+        azimuth, roll, distance = *rng.uniform(0, 2 * np.pi, 2), 30 / spacing
+        axis = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
+        R = cv2.Rodrigues(np.array([0, 0, roll]))[0] @ cv2.Rodrigues(axis * np.radians(tilt))[0] @ np.diag([1.0, -1, -1])
+        t = np.array([rng.uniform(-0.05, 0.05) * distance, rng.uniform(-0.03, 0.03) * distance, distance])
+        if (views.board @ R.T + t)[:, 2].min() < 0.05:
+            continue
+        pixels = views.project((R, t))
+        inside = (pixels > 20).all() and (pixels < np.array(camera.size) - 21).all()
+        if inside and least_height(pixels, target) >= 1.5 * WINDOW_PX + 0.5:
+            poses.append((R, t))
+            kinds.append((tilt, spacing))
+    return views, kinds
+
+
+def least_height(pixels, target):
+    """The least height of a square in the picture."""
+    grid = pixels.reshape(target["rows"], target["columns"], 2)
+    a, b = np.diff(grid, axis=1)[:-1], np.diff(grid, axis=0)[:, :-1]
+    area = np.abs(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+    return (area / np.maximum(np.linalg.norm(a, axis=-1), np.linalg.norm(b, axis=-1))).min()
+
+
+def hold_scatter(seeds):
+    views, kinds = random_views(40)
+    STATE.update(views=views, seeds=seeds)
+    sigmas = np.array(share(scatter_of_view, range(len(kinds))))
+    good = True
+    for name, sigma in zip(("constant", "edges"), sigmas.T):
+        ratio = sigma / np.exp(np.log(sigma).mean())
+        print(f"{name}: scatter of {len(kinds)} views of 0 to 70 degrees and 8 to 60 px a square over the model's: "
+              f"RMS {np.log(ratio).std():.3f}, {ratio.min():.2f} to {ratio.max():.2f}; sigma {np.exp(np.log(sigma).mean()):.4f} px")
+        good = name == "constant" or np.abs(np.log(ratio)).max() < np.log(1 + AGREE)
+    return good
+
+
+# --- Plans
+
+
+def picture_of_view(index):
+    return STATE["views"].picture(STATE["views"].poses[index])
+
+
+def trial(seed):
+    """The corners of all views, and the errors of both calibrations over the image."""
+    views, noise = STATE["views"], STATE["noise"]
+    rng = np.random.default_rng(seed)
+    seen = [detected(exposed(picture, noise, rng), truth) for picture, truth in zip(STATE["pictures"], STATE["truths"])]
+    board = [views.board.astype(np.float32)] * len(seen)
+    pixels = [corners.astype(np.float32).reshape(-1, 1, 2) for corners in seen]
+    flags = STATE["flags"]
+    _, K, D, *_ = cv2.calibrateCamera(board, pixels, views.camera.size, None, None, flags=flags)
+    return np.array(seen), error_over_image(views.camera, K, D.ravel()), error_over_image(views.camera, *by_calipose(seen, seed))
+
+
+def by_calipose(seen, seed):
+    folder, target, (width, height) = STATE["folder"], STATE["views"].target, STATE["views"].camera.size
+    observations = {
+        "format": "calipose.observations",
+        "version": 1,
+        "board": {key: target[key] for key in ("columns", "rows", "square_mm")},
+        "image": {"width_px": width, "height_px": height},
+        "views": [{"name": f"{i}.png", "corners": corners.tolist()} for i, corners in enumerate(seen)],
+    }
+    path = folder / f"{seed}.json"
+    path.write_text(json.dumps(observations))
+    run = [program(), "calibrate", path, "--problem", STATE["problem"], "--output", folder / f"camera-{seed}", "--json", "--quiet"]
+    # A map error that misses what the problem asks for is no failure here: exit code 4.
+    found = json.loads(subprocess.run(run, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, check=False).stdout)
+    values = dict(zip(found["intrinsics"]["names"], found["intrinsics"]["values"]))
+    K = np.array([[values["fx"], 0, values["cx"]], [0, values["fy"], values["cy"]], [0, 0, 1]])
+    return K, np.array([values.get(name, 0.0) for name in ("k1", "k2", "p1", "p2", "k3")])
+
+
+def program():
+    return os.environ.get("CALIPOSE", ROOT / "target/release/calipose")
+
+
+def error_over_image(camera, K, D):
+    """How far the calibrated camera images true rays from where the true one does, at nodes over the image's area, weighted, px."""
+    width, height = camera.size
+    nodes, weights = np.polynomial.legendre.leggauss(GAUSS_ORDER)
+    pixels = np.array([[a, b] for b in (nodes + 1) / 2 * height - 0.5 for a in (nodes + 1) / 2 * width - 0.5])
+    root = np.repeat(np.sqrt([p * q / 4 for q in weights for p in weights]), 2)
+    rays, zero = np.ascontiguousarray(camera.rays(pixels)).reshape(-1, 1, 3), np.zeros((3, 1))
+    error = (cv2.projectPoints(rays, zero, zero, K, D)[0].reshape(-1, 2) - pixels).ravel() * root
+    turn = camera.jacobians(rays, zero, zero)[1][:, :3] * root[:, None]
+    return error - turn @ np.linalg.lstsq(turn, error, rcond=None)[0]
+
+
+def parts(errors):
+    """Map error in all, its scatter over the seeds, and its systematic part."""
+    errors = np.array(errors)
+    mean = errors.mean(0)
+    scatter = np.sqrt(((errors - mean) ** 2).sum() / (len(errors) - 1))
+    systematic = np.sqrt(max(0.0, (mean**2).sum() - scatter**2 / len(errors)))
+    return np.sqrt((errors**2).sum(1).mean()), scatter, systematic
+
+
+def plan_on_pictures(problem_path, plan_path, seeds):
+    problem, plan = tomllib.loads(Path(problem_path).read_text()), json.loads(Path(plan_path).read_text())
+    camera, target = Camera(problem["camera"]), problem["target"]
+    if camera.model not in ("none", "brown-conrady"):
+        sys.exit(f"{problem_path}: the lens {camera.model} is not rendered")
+    pose = target["pose"]
+    R_BT, t_BT = from_rpy(pose.get("rpy_deg", [0, 0, 0])), np.array(pose["position_mm"]) / 1e3
+    poses = []
+    for planned in plan["poses"]:
+        R_BC = rotation(planned["camera_in_base"]["quaternion_xyzw"])
+        poses.append((R_BC.T @ R_BT, R_BC.T @ (t_BT - np.array(planned["camera_in_base"]["position_m"]))))
+    views = Views(camera, target, poses)
+    names = plan["intrinsics"]["names"]
+    flags = 0
+    for name, flag in [("k1", cv2.CALIB_FIX_K1), ("k2", cv2.CALIB_FIX_K2), ("k3", cv2.CALIB_FIX_K3), ("p1", cv2.CALIB_ZERO_TANGENT_DIST)]:
+        flags |= 0 if name in names else flag
+    STATE.update(views=views, flags=flags, problem=problem_path)
+    STATE["truths"] = [views.project(pose) for pose in poses]
+    STATE["pictures"] = share(picture_of_view, range(len(poses)))
+    size = target["columns"], target["rows"]
+    clean = [np.clip(np.rint(picture), 0, 255).astype(np.uint8) for picture in STATE["pictures"]]
+    found = [sum(bool(find(picture, size)[0]) for picture in clean) for find in (cv2.findChessboardCorners, cv2.findChessboardCornersSB)]
+    print(f"{plan_path}: {len(poses)} poses; boards found by the classic detector {found[0]}, by sectors {found[1]}")
+    good = min(found) == len(poses)
+    W = [whiteners(target, camera, views.board, cv2.Rodrigues(R)[0], t.reshape(3, 1), problem["noise"] | {"sigma_px": 1.0})
+         for R, t in poses]
+    stated = problem["noise"]["sigma_px"]
+    weighted = plan["map_error_px"] / stated
+    unweighted = plan.get("unweighted", plan)["map_error_px"] / stated
+    for level, noise in LEVELS.items():
+        STATE["noise"] = noise
+        seen, by_opencv, by_us = zip(*share(trial, range(seeds)))
+        seen = np.array(seen)
+        deviations = seen - seen.mean(0)
+        freedoms = 2 * (seeds - 1) * seen.shape[1] * seen.shape[2]
+        sigma = np.sqrt((np.einsum("vjik,svjk->svji", np.array(W), deviations) ** 2).sum() / freedoms)
+        offset = np.sqrt(((seen.mean(0) - np.array(STATE["truths"])) ** 2).mean())
+        print(f"  {level}: corners scatter by {np.sqrt((deviations**2).sum() / freedoms):.3f} px (square-on {sigma:.3f}) and are off by {offset:.3f}")
+        for name, errors, predicted in [("OpenCV", by_opencv, unweighted * sigma), ("calipose, weighted", by_us, weighted * sigma)]:
+            total, scatter, systematic = parts(errors)
+            good &= abs(scatter / predicted - 1) < AGREE
+            print(f"    map error by {name}: {total:.3f} px; scatter {scatter:.3f}, predicted {predicted:.3f} ({scatter / predicted - 1:+.0%}); "
+                  f"systematic {systematic:.3f}")
+    return good
+
+
+if __name__ == "__main__":
+    run_with("numpy==2.4.6", "opencv-python-headless==5.0.0.93")
+    import cv2
+    import numpy as np
+
+    map_error.cv2, map_error.np = cv2, np
+    cv2.setNumThreads(1)
+    STATE = {}
+    arguments = sys.argv[1:]
+    seeds = 100
+    if "--seeds" in arguments:
+        at = arguments.index("--seeds")
+        seeds = int(arguments[at + 1])
+        del arguments[at:at + 2]
+    if arguments == ["--scatter"]:
+        sys.exit(0 if hold_scatter(seeds) else 1)
+    if not arguments or len(arguments) % 2:
+        sys.exit(__doc__)
+    with tempfile.TemporaryDirectory() as folder:
+        STATE["folder"] = Path(folder)
+        good = [plan_on_pictures(*pair, seeds) for pair in zip(arguments[::2], arguments[1::2])]
+    sys.exit(0 if all(good) else 1)

@@ -1,0 +1,64 @@
+//! Plans under noise that depends on the view: what is predicted, with and without weights, is what simulated calibrations come to.
+
+use std::path::Path;
+
+use calipose::plan::assess::verify;
+use calipose::plan::choose::Chooser;
+use calipose::plan::survey::survey;
+use calipose::problem::{Overrides, Problem};
+use calipose::verification::{Disturbance, Weighing};
+
+fn problem(set: &[&str]) -> Problem {
+    let set = ["sweep.step_deg=12", "noise.model=edges"].iter().chain(set);
+    let overrides = set.fold(Overrides::new(), |overrides, set| overrides.set(set).unwrap());
+    Problem::read_with(Path::new("problems/servosila-engineer.toml"), &overrides).unwrap()
+}
+
+/// The joint values of the best ten poses, and their predicted map error.
+fn best(problem: &Problem) -> (Vec<Vec<f64>>, f64) {
+    let survey = survey(problem, &|_| {}).unwrap();
+    let (choice, _) = Chooser::new(problem, &survey).unwrap().best(10, 0).unwrap();
+    (choice.selected.iter().map(|&i| survey.views[i].q.clone()).collect(), choice.map_error)
+}
+
+#[test]
+fn calibrations_with_and_without_weights_scatter_as_predicted() {
+    let problem = problem(&[]);
+    let (configurations, map_error) = best(&problem);
+    let mut predicted = Vec::new();
+    for weighing in [Weighing::Weighted, Weighing::Unweighted] {
+        let found = verify(&problem, &configurations, &Disturbance::default(), weighing, 300, 1, &|_| {}).unwrap();
+        assert!(found.failures.is_empty(), "{:?}", found.failures);
+        for parameter in &found.parameters {
+            // 99 % intervals, widened a little: nine of them are asked at once.
+            let (low, high) = parameter.interval;
+            assert!(low < 1.05 && high > 0.95, "{weighing:?}: {parameter:?}");
+        }
+        predicted.push(found.map_error.predicted);
+    }
+    assert!((predicted[0] / map_error - 1.0).abs() < 1e-9);
+    // No estimate without bias scatters less than the weighted one, and here it makes a difference.
+    assert!(predicted[1] > 1.02 * predicted[0], "{predicted:?}");
+}
+
+#[test]
+fn under_constant_noise_weights_change_nothing() {
+    let problem = problem(&["noise.model=constant"]);
+    let (configurations, _) = best(&problem);
+    let [a, b] = [Weighing::Weighted, Weighing::Unweighted]
+        .map(|weighing| verify(&problem, &configurations, &Disturbance::default(), weighing, 3, 1, &|_| {}).unwrap());
+    assert!((a.map_error.predicted / b.map_error.predicted - 1.0).abs() < 1e-9);
+    assert_eq!(a.map_error.measured, b.map_error.measured);
+}
+
+#[test]
+fn the_margin_leaves_room_for_the_detectors_window() {
+    let margin = |set: &[&str]| {
+        let overrides = set.iter().fold(Overrides::new(), |overrides, set| overrides.set(set).unwrap());
+        Problem::read_with(Path::new("problems/six-axis-rover.toml"), &overrides).unwrap().visibility.margin
+    };
+    assert_eq!(margin(&[]), 5.0);
+    assert_eq!(margin(&["noise.model=edges"]), 8.0);
+    assert_eq!(margin(&["noise.model=edges", "noise.window_px=11"]), 14.0);
+    assert_eq!(margin(&["noise.model=edges", "noise.window_px=11", "visibility.margin_px=6"]), 6.0);
+}
