@@ -44,7 +44,8 @@
 //! # Modules
 //!
 //! A module imports only from those before it: [`figures`], [`spatial`], [`selection`], [`camera`], [`target`], [`robot`],
-//! [`print`](mod@print), [`sweep`], [`feasibility`], [`information`], [`calibration`], [`verification`], [`formats`],
+//! [`print`](mod@print), [`sweep`], [`feasibility`], [`information`], [`calibration`], [`verification`], [`render`],
+//! [`formats`],
 //! [`problem`], [`mod@plan`], [`experiment`], [`report`], [`cli`]. The stages up to `verification` know no files and no command line; `selection`
 //! knows no robots and no cameras either.
 #![allow(
@@ -67,6 +68,7 @@ pub mod information;
 pub mod plan;
 pub mod print;
 pub mod problem;
+pub mod render;
 pub mod report;
 pub mod robot;
 pub mod selection;

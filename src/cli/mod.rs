@@ -22,7 +22,7 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use arguments::ProblemArguments;
 use command::{
     board, calibrate, certify, check, compare, completions, design, explain, figures, init, next, noise, plan, polish,
-    reach, report, study, sweep, verify,
+    reach, render, report, study, sweep, verify,
 };
 use output::Screen;
 use output::failure::Failure;
@@ -90,6 +90,8 @@ enum Command {
     Figures(figures::FiguresArguments),
     /// Measure how far corners scatter, from repeated pictures of still scenes
     Noise(noise::NoiseArguments),
+    /// Render the picture that each pose of a plan should give
+    Render(render::RenderArguments),
     /// Count configurations, candidates and views, at one or several steps
     Sweep(sweep::SweepArguments),
     /// Simulate calibrations from a plan's poses and compare them with the prediction
@@ -204,6 +206,7 @@ fn run(command: &Command, screen: &mut Screen) -> Result<Verdict, Failure> {
         Command::Polish(arguments) => polish::run(arguments, screen).map(good),
         Command::Report(arguments) => report::run(arguments, screen).map(good),
         Command::Figures(arguments) => figures::run(arguments, screen).map(good),
+        Command::Render(arguments) => render::run(arguments, screen).map(good),
         Command::Noise(arguments) => noise::run(arguments, screen).map(good),
         Command::Sweep(arguments) => sweep::run(arguments, screen).map(good),
         Command::Verify(arguments) => verify::run(arguments, screen),

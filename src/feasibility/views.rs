@@ -12,7 +12,7 @@ use crate::camera::Camera;
 use crate::robot::Robot;
 use crate::spatial::Pose;
 use crate::sweep::JointSpace;
-use crate::target::{AxisCase, Corners, Marker, Target, told};
+use crate::target::{AxisCase, Board, Corners, Marker, Target, told};
 
 /// A configuration that the robot can take and from which the camera sees the board.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,6 +41,18 @@ impl View {
     /// Distance in m from the camera to the board's centre.
     pub fn distance(&self) -> f64 {
         self.X_CT.translation.vector.norm()
+    }
+
+    /// The board in the picture: the directions of its four outer corners, each times half the focal length, 12 numbers in px. Of two
+    /// views they are as far apart as the corners' images, in the root mean square over the corners, as long as that is little.
+    pub fn picture(&self, camera: &Camera, board: &Board) -> Vec<f64> {
+        let (width, height) = board.printed_size();
+        let half_focal = 0.25 * (camera.intrinsics()[0] + camera.intrinsics()[1]);
+        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| {
+            let corner = self.X_CT * Point3::new(0.5 * x * width, 0.5 * y * height, 0.0);
+            corner.coords.normalize() * half_focal
+        });
+        corners.iter().flat_map(|corner| corner.iter().copied()).collect()
     }
 
     /// Where the optical axis meets the target's plane.

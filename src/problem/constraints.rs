@@ -19,14 +19,37 @@ pub struct PoseConstraints {
     pub joint_separation: f64,
     /// Least angle between the directions from which two poses see the board's centre, rad.
     pub view_separation: f64,
+    /// Least distance of the board's pictures from two poses, px, as [`View::picture`](crate::feasibility::View::picture) has it; of swept
+    /// poses 0 where none is stated.
+    pub picture_separation: Option<f64>,
 }
+
+/// Least distance of the board's pictures from two polished poses where none is stated, px. What is systematic in a picture does not
+/// average out over pictures that are the same.
+const PICTURE_SEPARATION: f64 = 20.0;
 
 impl PoseConstraints {
     /// Whether any set of the candidates is allowed.
     pub fn allow_all(&self) -> bool {
-        let Self { required, forbidden, keep_out, groups, joint_separation, view_separation, captured: _ } = self;
+        let Self {
+            required,
+            forbidden,
+            keep_out,
+            groups,
+            joint_separation,
+            view_separation,
+            picture_separation,
+            captured: _,
+        } = self;
         let none = required.is_empty() && forbidden.is_empty() && keep_out.is_empty() && groups.is_empty();
-        none && *joint_separation == 0.0 && *view_separation == 0.0
+        let together =
+            *joint_separation == 0.0 && *view_separation == 0.0 && picture_separation.is_none_or(|px| px == 0.0);
+        none && together
+    }
+
+    /// The least distance of pictures from poses off the grid, px.
+    pub fn polished_picture_separation(&self) -> f64 {
+        self.picture_separation.unwrap_or(PICTURE_SEPARATION)
     }
 }
 

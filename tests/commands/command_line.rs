@@ -560,7 +560,7 @@ fn check_foresees_the_poses_that_an_accuracy_takes() {
     let told = foreseen["estimated_poses"].as_f64().unwrap();
     assert!((told / count - 1.0).abs() < 0.3, "{told} foreseen, {count} found");
     assert_eq!(foreseen["search_limit_seconds"], 1.0);
-    assert!(desk.stdout("check fine.toml").contains("the fewest poses that reach map_error_px 1.2 (about "));
+    assert!(desk.prose("check fine.toml").contains("the fewest poses that reach map_error_px 1.2 (about "));
 }
 
 #[test]

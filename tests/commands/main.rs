@@ -14,6 +14,7 @@ mod next_poses;
 mod noise;
 mod overrides;
 mod reach;
+mod render;
 mod report;
 mod result_files;
 mod selection_commands;

@@ -23,8 +23,9 @@ fn calipose(folder: &Path, line: &str) -> Output {
 fn desk(views: usize) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let text = std::fs::read_to_string("problems/servosila-engineer.toml").unwrap();
-    let text =
-        text.replace("step_deg = 8\naxis", "step_deg = 10\naxis").replace("window_px = 5", "model = \"constant\"");
+    let text = text
+        .replace("step_deg = 8\naxis", "step_deg = 10\naxis")
+        .replace("sigma_px = 0.3", "sigma_px = 0.3\nmodel = \"constant\"");
     std::fs::write(folder.path().join("problem.toml"), &text).unwrap();
     let plan = json_of(folder.path(), "plan problem.toml -k 12 --criterion d --trials 0 -o out --json");
     let problem = Problem::parse(&text, Path::new("problem.toml")).unwrap();

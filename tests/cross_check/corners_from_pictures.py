@@ -146,7 +146,7 @@ def main():
         [[(i - (columns - 1) / 2) * square, (j - (rows - 1) / 2) * square, 0] for j in range(rows) for i in range(columns)]
     )
     if len(sys.argv) > 2:
-        simulated = simulate(poses, points, K, D, size, problem["noise"]["sigma_px"], rng)
+        simulated = simulate(poses, points, K, D, size, problem, rng)
         pathlib.Path(sys.argv[2]).write_text(simulated)
         return
     with tempfile.TemporaryDirectory() as folder:

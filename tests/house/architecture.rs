@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::reading::{House, files_below, in_circles, is_word, without_comments};
 
 /// The modules; each may use those above it.
-const ORDER: [&str; 18] = [
+const ORDER: [&str; 19] = [
     "figures",
     "spatial",
     "selection",
@@ -19,6 +19,7 @@ const ORDER: [&str; 18] = [
     "information",
     "calibration",
     "verification",
+    "render",
     "formats",
     "problem",
     "plan",
@@ -28,7 +29,7 @@ const ORDER: [&str; 18] = [
 ];
 
 /// The files and rooms in a room; each may use those before it, and all may use the room's own `mod.rs`.
-const ROOMS: [(&str, &[&str]); 32] = [
+const ROOMS: [(&str, &[&str]); 33] = [
     (
         "selection",
         &[
@@ -65,6 +66,7 @@ const ROOMS: [(&str, &[&str]); 32] = [
         ],
     ),
     ("robot", &["joint", "tree", "chain", "dh", "mechanism", "turn", "inverse"]),
+    ("render", &["bodies", "pattern"]),
     ("print", &["paper", "error", "artwork", "layout", "svg", "pdf"]),
     ("print::artwork", &["text", "checkerboard", "modules", "charuco", "aprilgrid", "circles"]),
     ("print::layout", &["strip", "sheet", "tiles"]),

@@ -57,8 +57,8 @@ fn the_margin_leaves_room_for_the_detectors_window() {
         let overrides = set.iter().fold(Overrides::new(), |overrides, set| overrides.set(set).unwrap());
         Problem::read_with(Path::new("problems/six-axis-rover.toml"), &overrides).unwrap().visibility.margin
     };
-    assert_eq!(margin(&[]), 5.0);
-    assert_eq!(margin(&["noise.model=edges"]), 8.0);
-    assert_eq!(margin(&["noise.model=edges", "noise.window_px=11"]), 14.0);
-    assert_eq!(margin(&["noise.model=edges", "noise.window_px=11", "visibility.margin_px=6"]), 6.0);
+    assert_eq!(margin(&["noise.model=constant"]), 5.0);
+    assert_eq!(margin(&[]), 8.0);
+    assert_eq!(margin(&["noise.window_px=11"]), 14.0);
+    assert_eq!(margin(&["noise.window_px=11", "visibility.margin_px=6"]), 6.0);
 }

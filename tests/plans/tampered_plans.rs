@@ -198,7 +198,7 @@ fn every_change_of_a_plan_under_constraints_is_noticed() {
 #[test]
 #[ignore = "slow: in the full set, `cargo test -- --ignored`"]
 fn every_change_of_a_plan_with_bodies_and_stability_is_noticed() {
-    let partly = ("margin_px = 5", "margin_px = 5\nmin_corners = 40");
+    let partly = ("max_tilt_deg = 70", "max_tilt_deg = 70\nmin_corners = 40");
     let planned = Planned::new(problem("servosila-engineer-bodies", &[COARSE, partly], ""));
     every_change_is_noticed(&planned, &["/poses/0/stability_margin_m", "/collision/clearance_m"]);
     let corners = planned.plan.poses.iter().any(|pose| pose.corners_seen.is_some());
@@ -410,7 +410,7 @@ fn honest_plans_of_all_cameras_hold_and_what_is_beyond_the_tolerance_is_noticed(
                     ("width_px = 1280\nheight_px = 720", &format!("width_px = {size}")),
                     ("fx_px = 1000\nfy_px = 1000", &format!("fx_px = {f}\nfy_px = {f}")),
                     ("brown-conrady\"\nk1 = -0.2\nk2 = 0.05", lens),
-                    ("margin_px = 5", "margin_px = 1\nmin_corner_spacing_px = 0.1"),
+                    ("max_tilt_deg = 70", "max_tilt_deg = 70\nmargin_px = 1\nmin_corner_spacing_px = 0.1"),
                     ("intrinsics = [\"fx\", \"fy\", \"cx\", \"cy\", \"k1\", \"k2\", \"p1\", \"p2\", \"k3\"]", prior),
                     ("count = 10", "count = 12"),
                 ],

@@ -17,8 +17,8 @@ use calipose::camera::{Camera, Lens};
 use calipose::information::Criterion;
 use calipose::plan::choose::Chooser;
 use calipose::plan::survey::{Survey, survey};
-use calipose::problem::Method;
 use calipose::problem::Problem;
+use calipose::problem::{Method, Overrides};
 use calipose::selection::SearchEnd;
 use nalgebra::{Matrix3, Matrix5, Vector2, Vector5};
 use rand::{Rng, SeedableRng};
@@ -32,7 +32,9 @@ const PATIENCE: Duration = Duration::from_mins(1);
 const TRIALS: usize = 300;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let problem = Problem::read(Path::new("problems/servosila-engineer.toml"))?;
+    // The tables of the book are of constant noise.
+    let constant = Overrides::new().set("noise={sigma_px=0.3,model=\"constant\"}")?;
+    let problem = Problem::read_with(Path::new("problems/servosila-engineer.toml"), &constant)?;
     let survey = survey(&problem, &|_| {})?;
     let chooser = Chooser::new(&problem, &survey)?;
     scores(&chooser)?;

@@ -15,6 +15,7 @@ pub(crate) mod noise;
 pub(crate) mod plan;
 pub(crate) mod polish;
 pub(crate) mod reach;
+pub(crate) mod render;
 pub(crate) mod report;
 pub(crate) mod study;
 pub(crate) mod sweep;

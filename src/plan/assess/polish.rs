@@ -430,7 +430,24 @@ mod tests {
             assert_views(&problem, &found.views);
             assert_eq!(found.grid_log_value, grid.log_value);
             assert!(found.log_value > grid.log_value, "{}", chooser.criterion());
+            assert_pictures_differ(&problem, &found.views, 20.0);
             assert!((found.shares.iter().sum::<f64>() - 1.0).abs() < 0.2, "{:?}", found.shares);
+        }
+    }
+
+    /// Their outer corners are in other places by `least` px at least, in the root mean square.
+    fn assert_pictures_differ(problem: &Problem, views: &[View], least: f64) {
+        let (width, height) = problem.target.board.printed_size();
+        let outer = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|(x, y)| (x * width, y * height));
+        let pixel = |view: &View, (x, y)| problem.camera.project(&(view.X_CT * nalgebra::Point3::new(x, y, 0.0)));
+        for (a, one) in views.iter().enumerate() {
+            for other in &views[..a] {
+                let squares = outer.map(|corner| Some((pixel(one, corner)? - pixel(other, corner)?).norm_squared()));
+                let Some(squares) = squares.into_iter().collect::<Option<Vec<_>>>() else { continue };
+                let distance = (squares.iter().sum::<f64>() / 4.0).sqrt();
+                // A lens that bends makes the distance in the picture another than that of the directions, by some percent.
+                assert!(distance > 0.6 * least, "{distance}");
+            }
         }
     }
 
@@ -446,6 +463,7 @@ mod tests {
         problem.constraints.keep_out = vec![JointRegion(vec![(0, Limits { min: -9.0, max: -1.0 })])];
         problem.constraints.joint_separation = 0.3;
         problem.constraints.view_separation = 0.05;
+        problem.constraints.picture_separation = Some(60.0);
         let survey = survey(&problem, &|_| {}).unwrap();
         let chooser = Chooser::new(&problem, &survey).unwrap();
         let grid = chooser.choose(Method::Exchange, 9, 0).unwrap();
@@ -455,6 +473,7 @@ mod tests {
         assert!(found.views.contains(unconstrained.views.iter().find(|view| view.id == id).unwrap()));
         assert!(found.views.iter().filter(|view| (0.5..=9.0).contains(&view.q[joint])).count() <= 5);
         assert!(found.views.iter().all(|view| view.q[0] > -1.0));
+        assert_pictures_differ(&problem, &found.views, 60.0);
         for (a, one) in found.views.iter().enumerate() {
             for other in &found.views[..a] {
                 let apart = one.q.iter().zip(&other.q).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();

@@ -46,8 +46,16 @@ pub enum ConstraintError {
 /// # Errors
 /// When a required pose is no view or in a region without poses.
 pub(crate) fn constraints(problem: &Problem, survey: &Survey) -> Result<Constraints, ConstraintError> {
-    let PoseConstraints { required, forbidden, captured: _, keep_out, groups, joint_separation, view_separation } =
-        &problem.constraints;
+    let PoseConstraints {
+        required,
+        forbidden,
+        captured: _,
+        keep_out,
+        groups,
+        joint_separation,
+        view_separation,
+        picture_separation,
+    } = &problem.constraints;
     let views = &survey.views;
     let mut indices = Vec::with_capacity(required.len());
     for &id in required {
@@ -71,6 +79,9 @@ pub(crate) fn constraints(problem: &Problem, survey: &Survey) -> Result<Constrai
     if *view_separation > 0.0 {
         separations.push(Separation { points: views.iter().map(direction).collect(), least: chord(*view_separation) });
     }
+    if let Some(least) = picture_separation.filter(|&least| least > 0.0) {
+        separations.push(Separation { points: views.iter().map(|view| picture(problem, view)).collect(), least });
+    }
     Ok(Constraints { required: indices, forbidden, caps, separations })
 }
 
@@ -88,6 +99,11 @@ pub(crate) fn allows(problem: &Problem, others: &[&View], view: &View) -> bool {
         && constraints.groups.iter().all(|g| !g.region.contains(&view.q) || within(&g.region) < g.most)
         && apart(&|view| angles(problem, view), constraints.joint_separation)
         && apart(&direction, chord(constraints.view_separation))
+        && apart(&|view| picture(problem, view), constraints.polished_picture_separation())
+}
+
+fn picture(problem: &Problem, view: &View) -> Vec<f64> {
+    view.picture(&problem.camera, &problem.target.board)
 }
 
 /// Values of the revolute joints.

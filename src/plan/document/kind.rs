@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::answers::{
     CalibrationDocument, Certified, ComparisonDocument, Explanation, FiguresDocument, NextDocument, NoiseDocument,
-    Verification,
+    PicturesDocument, Verification,
 };
 use super::design::{DesignCheckDocument, DesignDocument};
 use super::header::Document;
@@ -29,7 +29,7 @@ pub struct Kind {
 
 impl Kind {
     /// Every kind, those first that are written beside a plan.
-    pub const ALL: [Self; 25] = [
+    pub const ALL: [Self; 26] = [
         Self::of::<Plan>(),
         Self::of::<Run>(),
         Self::of::<Verification>(),
@@ -38,6 +38,7 @@ impl Kind {
         Self::of::<Explanation>(),
         Self::of::<Review>(),
         Self::of::<FiguresDocument>(),
+        Self::of::<PicturesDocument>(),
         Self::of::<Certified>(),
         Self::of::<ComparisonDocument>(),
         Self::of::<CalibrationDocument>(),

@@ -16,8 +16,8 @@ pub use answers::{
     CalibratedView, CalibrationDocument, Certified, CombinationTerm, ComparisonDocument, ComparisonEquivalent,
     ComparisonRow, CornerResidual, CurvePoint, EstimatedIntrinsics, Explanation, FailedTrial, FigureFile,
     FiguresDocument, LeastKnown, MapErrorCheck, MapErrorOverImage, MeasuredNoise, MeasuredRow, NextDocument,
-    NoiseDocument, NotChecked, OutlierDocument, ParameterCheck, PictureSize, PoseExplanation, RequestedAccuracy,
-    ResidualLengths, SimulatedMapError, SparePose, Suffering, Verification,
+    NoiseDocument, NotChecked, OutlierDocument, ParameterCheck, PictureFile, PictureSize, PicturesDocument,
+    PoseExplanation, RequestedAccuracy, ResidualLengths, SimulatedMapError, SparePose, Suffering, Verification,
 };
 pub use design::{
     DesignCheckDocument, DesignDocument, DesignMap, DesignProof, FreeValue, Sensitivity, SensitivityPoint, SetUp,

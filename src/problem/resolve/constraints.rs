@@ -34,6 +34,9 @@ impl Check<'_, '_> {
             groups,
             joint_separation: self.angle(&joint.or(&0.0), Allowed::between(0.0, 3600.0)),
             view_separation: self.angle(&view.or(&0.0), Allowed::between(0.0, 180.0)),
+            picture_separation: key!(constraints, picture_separation_px)
+                .given()
+                .map(|least| self.number(&least, Allowed::between(0.0, 1e5))),
         }
     }
 

@@ -55,6 +55,9 @@ pub(crate) struct Constraints {
     pub(crate) joint_separation_deg: Option<f64>,
     /// Minimum angle between the directions from which two poses see the board's centre, in the board's frame, in degrees.
     pub(crate) view_separation_deg: Option<f64>,
+    /// Minimum distance between the board's pictures from two poses, in px: the root mean square over its outer corners. When left out, 0
+    /// for swept poses, which are apart by their steps, and 20 for polished ones.
+    pub(crate) picture_separation_px: Option<f64>,
 }
 
 /// A region of joint space.

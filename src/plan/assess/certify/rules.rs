@@ -53,6 +53,10 @@ impl Rules {
             let toward = |view: &View| view.X_CT.inverse().translation.vector.normalize().iter().copied().collect();
             separations.push((views.iter().map(toward).collect(), chord));
         }
+        if let Some(least) = constraints.picture_separation.filter(|&least| least > 0.0) {
+            let picture = |view: &View| view.picture(&problem.camera, &problem.target.board);
+            separations.push((views.iter().map(picture).collect(), least));
+        }
         for (points, least) in &separations {
             groups.extend(cells(points, *least));
         }

@@ -7,6 +7,7 @@ mod explanation;
 mod figures;
 mod next;
 mod noise;
+mod pictures;
 mod verification;
 
 pub use calibration::{
@@ -19,4 +20,5 @@ pub use explanation::{CombinationTerm, CurvePoint, Explanation, LeastKnown, Pose
 pub use figures::{FigureFile, FiguresDocument};
 pub use next::{NextDocument, SimulatedMapError};
 pub use noise::{MeasuredNoise, NoiseDocument};
+pub use pictures::{PictureFile, PicturesDocument};
 pub use verification::{FailedTrial, MapErrorCheck, ParameterCheck, Verification};
