@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use crate::figures::trimmed;
+
 /// Why there is no such board. Lengths are in mm.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum BoardError {
@@ -24,7 +26,7 @@ pub enum BoardError {
         value: f64,
     },
     /// What is printed does not fit into its place.
-    #[error("{what} of {size} mm do not fit: there is room for less than {room} mm")]
+    #[error("{what} of {} mm do not fit: there is room for less than {} mm", trimmed(*size, 4), trimmed(*room, 4))]
     TooLarge {
         /// What.
         what: &'static str,

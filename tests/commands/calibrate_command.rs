@@ -7,6 +7,7 @@ use calipose::calibration::Observations;
 use calipose::camera::{Camera, Lens};
 use calipose::formats::{Known, StatedCamera, read_camera_file, read_detections};
 use calipose::information::{Noise, NoiseModel};
+use calipose::problem::Problem;
 use calipose::spatial::Pose;
 use calipose::target::Board;
 use calipose::verification::simulate;
@@ -26,18 +27,22 @@ fn camera() -> Camera {
 
 /// Twenty views, tilted differently; in some the board is partly outside the image.
 fn simulated() -> Observations {
+    simulated_of(&BOARD)
+}
+
+fn simulated_of(board: &Board) -> Observations {
     let pose = |i: usize| {
         let (turn, place) = (i as f64 * 2.4, i as f64 * 1.7);
         let rotation = Vector3::new(0.6 * turn.cos(), 0.6 * turn.sin(), 0.1 * place.sin());
         Pose::new(Vector3::new(0.18 * place.cos(), 0.11 * place.sin(), 0.5 + 0.01 * i as f64), rotation)
     };
     let poses: Vec<Pose> = (0..20).map(pose).collect();
-    simulate(&camera(), &BOARD, &poses, Noise { sigma: NOISE, model: NoiseModel::Constant }, 5).unwrap()
+    simulate(&camera(), board, &poses, Noise { sigma: NOISE, model: NoiseModel::Constant }, 5).unwrap()
 }
 
 /// Pixel of every corner of a view, if it was seen.
 fn grid(observations: &Observations, view: usize) -> Vec<Option<[f64; 2]>> {
-    let mut grid = vec![None; BOARD.corner_count()];
+    let mut grid = vec![None; observations.board().corner_count()];
     for corner in &observations.views()[view] {
         grid[corner.index] = Some(corner.pixel.into());
     }
@@ -114,6 +119,40 @@ fn vnl_and_json_give_the_camera_they_come_from() {
     }
     let written: Value = serde_json::from_slice(&std::fs::read(at("two").join("calibration.json")).unwrap()).unwrap();
     assert_eq!(written, from_json);
+}
+
+/// In part or whole, by the numbers that the kinds of boards give their corners; of the grids some views lack what is on cut markers.
+#[test]
+fn boards_of_every_kind_give_the_camera() {
+    let folder = tempfile::tempdir().unwrap();
+    for keys in [
+        "kind = \"charuco\"\ncolumns = 9\nrows = 7\nsquare_mm = 35\nmarker_mm = 26\ndictionary = \"DICT_5X5_50\"",
+        "kind = \"aprilgrid\"\ncolumns = 6\nrows = 4\ntag_mm = 40\ntag_spacing = 0.3",
+        "kind = \"circles\"\ncolumns = 9\nrows = 7\nspacing_mm = 35\ndiameter_mm = 20",
+        "kind = \"asymmetric-circles\"\ncolumns = 5\nrows = 11\nspacing_mm = 50\ndiameter_mm = 20",
+        "kind = \"points\"\npoints_mm = [[0, 0, 1], [40, 3, 1], [38, 44, 1], [0, 90], [120, 10], [200, 0, 2], [200, 80, 2], [90, 140], \
+         [260, 150], [30, 170], [150, 80], [250, 20], [70, 60], [180, 160]]",
+    ] {
+        let problem = format!(
+            "[[robot.joints]]\nname = \"turn\"\nlimits_deg = [-90, 90]\n[camera]\nwidth_px = 1280\nheight_px = 720\nfx_px = 1000\n\
+             [camera.distortion]\nmodel = \"brown-conrady\"\n[target]\n{keys}\npose = {{ position_mm = [300, 0, 0] }}\n\
+             [sweep]\nstep_deg = 1\n[noise]\nmodel = \"constant\"\n"
+        );
+        std::fs::write(folder.path().join("problem.toml"), problem).unwrap();
+        let board = Problem::read(&folder.path().join("problem.toml")).unwrap().target.board;
+        let observations = simulated_of(&board);
+        assert!(observations.corner_count() < 20 * board.corner_count(), "{keys}: some corners are to be missing");
+        let mut document = document(&observations);
+        document.as_object_mut().unwrap().remove("board");
+        std::fs::write(folder.path().join("corners.json"), document.to_string()).unwrap();
+        let found = calibrated(folder.path(), &["corners.json", "--problem", "problem.toml"]);
+        assert_recovers_the_camera(&found, 4.0);
+        let listed = found["views"][0]["residuals"].as_array().unwrap().len();
+        assert_eq!(listed, observations.views()[0].len());
+    }
+    // Without the problem nothing says which board it is.
+    let output = calibrate(folder.path(), &["corners.json"]);
+    assert!(!output.status.success() && String::from_utf8_lossy(&output.stderr).contains("board"));
 }
 
 #[test]
