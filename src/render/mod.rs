@@ -17,15 +17,13 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
 use crate::camera::Camera;
+use crate::feasibility::FLUSH;
 use crate::spatial::Pose;
 
 /// Grey values of the printed black, the paper, and what is behind.
 const BLACK: f64 = 40.0;
 const WHITE: f64 = 200.0;
 const BEHIND: f64 = 110.0;
-
-/// Bodies that rise less than this above the board's plane do not hide it, m: the plate that it is printed on.
-const FLUSH: f64 = 1e-3;
 
 /// How pictures are rendered.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -111,17 +109,15 @@ impl Scene<'_> {
             let through = |offset: &Vector2<f64>| ray + along_u * offset.x + along_v * offset.y;
             *grey = match body {
                 _ if CORNERS.iter().any(|offset| self.on_board(&through(offset)).is_some()) => {
-                    let grey = |offset: &Vector2<f64>| match (self.on_board(&through(offset)), body) {
-                        (Some((depth, _)), Some((hit, shade))) if hit < depth - FLUSH => shade,
-                        (Some((_, is_black)), _) => {
-                            if is_black {
-                                BLACK
-                            } else {
-                                WHITE
-                            }
+                    let grey = |offset: &Vector2<f64>| {
+                        let ray = through(offset);
+                        match (self.on_board(&ray), body) {
+                            (Some(_), Some((depth, shade))) if self.rises(&ray, depth) => shade,
+                            (Some(true), _) => BLACK,
+                            (Some(false), _) => WHITE,
+                            (None, Some((_, shade))) => shade,
+                            (None, None) => BEHIND,
                         }
-                        (None, Some((_, shade))) => shade,
-                        (None, None) => BEHIND,
                     };
                     self.offsets.iter().map(grey).sum::<f64>() / self.offsets.len() as f64
                 }
@@ -142,8 +138,8 @@ impl Scene<'_> {
         }
     }
 
-    /// How far along a ray from the camera the board's printed side is, and whether it is black there.
-    fn on_board(&self, ray: &Vector3<f64>) -> Option<(f64, bool)> {
+    /// Whether the board is black where a ray from the camera meets its printed side; `None` if it does not.
+    fn on_board(&self, ray: &Vector3<f64>) -> Option<bool> {
         let (centre, direction) = (self.X_TC.translation.vector, self.X_TC.rotation * ray);
         let depth = -centre.z / direction.z;
         // From behind nothing printed is seen.
@@ -151,7 +147,14 @@ impl Scene<'_> {
             return None;
         }
         let at = centre + direction * depth;
-        self.pattern.is_black(at.x, at.y).map(|is_black| (depth * ray.norm(), is_black))
+        self.pattern.is_black(at.x, at.y)
+    }
+
+    /// Whether what a ray meets at `depth`, in m, is far enough above the board's plane to hide it; the plate that it is printed on
+    /// is not.
+    fn rises(&self, ray: &Vector3<f64>, depth: f64) -> bool {
+        let direction = self.X_TC.rotation * ray.normalize();
+        self.X_TC.translation.vector.z + direction.z * depth > FLUSH
     }
 }
 
@@ -202,8 +205,9 @@ fn transposed(grey: &[f64], width: usize) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::camera::Lens;
+    use crate::feasibility::Occlusion;
     use crate::print::Artwork;
-    use crate::robot::{Body, Shape};
+    use crate::robot::{Body, Link, Motion, Shape, Tree};
     use crate::target::{Board, viewpoint};
 
     const BOARD: Board = Board::checkerboard(5, 4, 0.03);
@@ -240,11 +244,15 @@ mod tests {
         for tilt in [0.0, 0.6] {
             let X_CT = viewpoint(0.45, tilt, 0.4, 0.2).inverse();
             let picture = render(&camera, &pattern, &X_CT, &Bodies::default(), &CLEAN);
-            for corner in BOARD.corners() {
+            let off = |corner: nalgebra::Point3<f64>| {
                 let pixel = camera.project(&(X_CT * corner)).unwrap();
-                let found = corner_near(&picture, &pixel);
-                assert!((found - pixel).norm() < 0.1, "{pixel} {found}");
-            }
+                corner_near(&picture, &pixel) - pixel
+            };
+            let off: Vec<_> = BOARD.corners().map(off).collect();
+            // The detector errs on its own, the picture as a whole is not shifted.
+            assert!(off.iter().all(|off| off.norm() < 0.1), "{tilt}: {off:?}");
+            let mean = off.iter().sum::<Vector2<f64>>() / off.len() as f64;
+            assert!(mean.norm() < 0.03, "{tilt}: {mean}");
         }
     }
 
@@ -267,6 +275,53 @@ mod tests {
         assert!(hidden > 60 && hidden < 180, "{hidden}");
         // Behind the board, and around the camera, they hide nothing.
         assert_eq!((middle(&ball(0.6)), middle(&ball(0.0))), (free, free));
+    }
+
+    #[test]
+    fn corners_are_hidden_where_occlusion_says_so() {
+        let (camera, pattern) = (camera(), pattern());
+        // The board is at the base, and a wall stands before some of its columns.
+        let X_BC = viewpoint(0.45, 0.0, 0.0, 0.0);
+        let half_extents = Vector3::new(0.05, 0.2, 0.02);
+        let wall = Body { X_LG: Pose::translation(0.058, 0.0, 0.2), shape: Shape::Box { half_extents } };
+        let bodies = Bodies::new([PlacedBody { body: &wall, X_CL: X_BC.inverse() }]);
+        let picture = render(&camera, &pattern, &X_BC.inverse(), &bodies, &CLEAN);
+        let link = Link {
+            name: "base".into(),
+            parent: None,
+            X_PJ: Pose::identity(),
+            motion: Motion::Fixed,
+            bodies: vec![wall],
+            mass: None,
+        };
+        let occlusion = Occlusion::new(&Tree { links: vec![link], disabled: vec![] }, 0);
+        let corners: Vec<_> = BOARD.corners().collect();
+        let hidden = occlusion.hidden(&[Pose::identity()], &X_BC, &Pose::identity(), &corners);
+        assert!(hidden.contains(&true) && hidden.contains(&false));
+        for (corner, hidden) in corners.iter().zip(hidden) {
+            let pixel = camera.project(&(X_BC.inverse() * corner)).unwrap();
+            // Around a corner there is black and white, on a body one grey.
+            let around = [[-3.0, -3.0], [3.0, -3.0], [-3.0, 3.0], [3.0, 3.0]].map(|[i, j]| {
+                picture.grey[(pixel.y + j).round() as usize * picture.width as usize + (pixel.x + i).round() as usize]
+            });
+            assert_eq!(around.iter().all(|grey| grey.abs_diff(around[0]) < 50), hidden, "{corner} {around:?}");
+        }
+    }
+
+    #[test]
+    fn a_plate_hides_the_board_if_it_rises_above_it() {
+        let (camera, pattern) = (camera(), pattern());
+        // So slanted that half a millimetre of height is more than one along the rays.
+        let X_CT = viewpoint(0.45, 1.2, 0.0, 0.0).inverse();
+        let white_behind = |height: f64| {
+            let half_extents = Vector3::new(0.2, 0.2, height);
+            let plate = Body { X_LG: Pose::identity(), shape: Shape::Box { half_extents } };
+            let bodies = Bodies::new([PlacedBody { body: &plate, X_CL: X_CT }]);
+            let picture = render(&camera, &pattern, &X_CT, &bodies, &CLEAN);
+            picture.grey.iter().filter(|&&grey| grey > 180).count()
+        };
+        assert!(white_behind(0.5e-3) > 1000);
+        assert_eq!(white_behind(2e-3), 0);
     }
 
     #[test]

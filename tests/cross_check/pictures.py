@@ -1,15 +1,17 @@
-"""What plans are worth on pictures: rendered, detected and calibrated by NumPy and OpenCV alone.
+"""What plans are worth on pictures: rendered twice, detected and calibrated by OpenCV.
 
     python tests/cross_check/pictures.py [--seeds N] PROBLEM PLAN [PROBLEM PLAN ...]
     python tests/cross_check/pictures.py [--seeds N] --scatter
 
-From a plan's camera poses and its problem file the picture of every pose is rendered: the lens, antialiasing, blur, a gradient of the
-light, and for every seed the sensor's noise, at two levels. OpenCV's two chessboard detectors must find every board without noise;
-cornerSubPix finds the corners, `cv2.calibrateCamera` and `calipose calibrate` the camera, from the corners alone. Printed are the
-corners' scatter and the true map error over the image's area after the best rotation, as a whole, and as scatter over the seeds
-and the systematic rest, beside what the plan predicts for so much noise. With --scatter, views of one board between 0 and 70 degrees
-of tilt and squares of 8 to 60 px hold the scatter of cornerSubPix against the model of the noise. Exits with 1 where a prediction is
-off by more than 15 %, or a board is not found.
+`calipose render` makes the picture of every pose without noise; of a polished plan, which it does not take, NumPy does. From the plan's
+camera poses and its problem file the same is rendered here in NumPy: the lens, antialiasing, blur, a gradient of the light; around the
+corners both must have the same grey values, and cornerSubPix must find the same corners. OpenCV's two chessboard detectors must find
+every board. For every seed the sensor's noise is added, at two levels; cornerSubPix finds the corners, `cv2.calibrateCamera` and
+`calipose calibrate` the camera, from the corners alone. Printed are the corners' scatter and the true map error over the image's area
+after the best rotation, as a whole, and as scatter over the seeds and the systematic rest, beside what the plan predicts for so much
+noise. With --scatter, views of one board between 0 and 70 degrees of tilt and squares of 8 to 60 px hold the scatter of cornerSubPix
+against the model of the noise. Exits with 1 where a prediction is off by more than 15 %, a board is not found, or the two renderers
+differ.
 """
 
 import json
@@ -27,6 +29,8 @@ from map_error import Camera, corners, from_rpy, rotation, whiteners
 
 ROOT = Path(__file__).resolve().parents[2]
 AGREE = 0.15
+# How far the two renderers may be apart: grey values in the mean, px between the corners found.
+SAME_GREY, SAME_PX = 0.5, 0.02
 
 # Grey values.
 BLACK, WHITE, AROUND = 40.0, 200.0, 110.0
@@ -95,6 +99,13 @@ def exposed(picture, noise, rng):
     return np.clip(np.rint(picture + noise * rng.standard_normal(picture.shape)), 0, 255).astype(np.uint8)
 
 
+def around(picture, truth):
+    """The part of a picture in which the corners' windows are and may move, and its first pixel."""
+    low = np.maximum(np.floor(truth.min(0)).astype(int) - 3 * WINDOW_PX, 0)
+    high = np.ceil(truth.max(0)).astype(int) + 3 * WINDOW_PX + 1
+    return picture[low[1]:high[1], low[0]:high[0]], low
+
+
 def detected(picture, truth):
     """The corners by cornerSubPix, from half a pixel beside the true ones."""
     start = truth + 0.5 * np.sign(np.sin(1.7 * np.arange(truth.size).reshape(truth.shape)))
@@ -116,8 +127,8 @@ def scatter_of_view(index):
     views, seeds = STATE["views"], STATE["seeds"]
     pose = views.poses[index]
     picture, truth = views.picture(pose), views.project(pose)
-    rng = np.random.default_rng(index)
-    seen = np.array([detected(exposed(picture, 8.0, rng), truth) for _ in range(seeds)])
+    (part, low), rng = around(picture, truth), np.random.default_rng(index)
+    seen = np.array([detected(exposed(part, 8.0, rng), truth - low) + low for _ in range(seeds)])
     deviations = seen - seen.mean(0)
     rvec, tvec = cv2.Rodrigues(pose[0])[0], pose[1].reshape(3, 1)
     W = whiteners(views.target, views.camera, views.board, rvec, tvec, {"sigma_px": 1.0, "window_px": WINDOW_PX})
@@ -171,15 +182,36 @@ def hold_scatter(seeds):
 # --- Plans
 
 
-def picture_of_view(index):
-    return STATE["views"].picture(STATE["views"].poses[index])
+def by_numpy(index):
+    views = STATE["views"]
+    return np.clip(np.rint(views.picture(views.poses[index])), 0, 255).astype(np.uint8)
+
+
+def compared(index):
+    """How far the rendered picture of a view is from NumPy's in the corners' windows: grey values in the mean, px between corners found."""
+    views, truth = STATE["views"], STATE["truths"][index]
+    pair = [STATE["pictures"][index], by_numpy(index)]
+    here = np.zeros(pair[0].shape, bool)
+    for u, v in np.rint(truth).astype(int):
+        here[max(v - WINDOW_PX, 0):v + WINDOW_PX + 1, max(u - WINDOW_PX, 0):u + WINDOW_PX + 1] = True
+    grey = np.abs(pair[0][here].astype(float) - pair[1][here]).mean()
+    return grey, np.linalg.norm(detected(pair[0], truth) - detected(pair[1], truth), axis=1).max()
+
+
+def rendered(problem_path, plan_path):
+    """The pictures of all poses by `calipose render`, without noise."""
+    folder = STATE["folder"] / "pictures"
+    options = {"blur-px": BLUR_PX, "gradient": GRADIENT, "supersampling": SUBPIXELS, "noise": 0, "output": folder, "problem": problem_path}
+    run = [program(), "render", plan_path, "--json", "--quiet", *[f"--{name}={value}" for name, value in options.items()]]
+    files = json.loads(subprocess.run(run, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, check=True).stdout)["pictures"]
+    return [cv2.imread(str(folder / entry["file"]), cv2.IMREAD_GRAYSCALE) for entry in files]
 
 
 def trial(seed):
     """The corners of all views, and the errors of both calibrations over the image."""
     views, noise = STATE["views"], STATE["noise"]
     rng = np.random.default_rng(seed)
-    seen = [detected(exposed(picture, noise, rng), truth) for picture, truth in zip(STATE["pictures"], STATE["truths"])]
+    seen = [detected(exposed(part, noise, rng), truth - low) + low for (part, low), truth in zip(STATE["parts"], STATE["truths"])]
     board = [views.board.astype(np.float32)] * len(seen)
     pixels = [corners.astype(np.float32).reshape(-1, 1, 2) for corners in seen]
     flags = STATE["flags"]
@@ -249,12 +281,15 @@ def plan_on_pictures(problem_path, plan_path, seeds):
         flags |= 0 if name in names else flag
     STATE.update(views=views, flags=flags, problem=problem_path)
     STATE["truths"] = [views.project(pose) for pose in poses]
-    STATE["pictures"] = share(picture_of_view, range(len(poses)))
+    is_polished = plan["format"] == "calipose.polished"
+    STATE["pictures"] = share(by_numpy, range(len(poses))) if is_polished else rendered(problem_path, plan_path)
+    grey, apart = np.max(share(compared, range(len(poses))), axis=0)
+    STATE["parts"] = [around(picture, truth) for picture, truth in zip(STATE["pictures"], STATE["truths"])]
     size = target["columns"], target["rows"]
-    clean = [np.clip(np.rint(picture), 0, 255).astype(np.uint8) for picture in STATE["pictures"]]
-    found = [sum(bool(find(picture, size)[0]) for picture in clean) for find in (cv2.findChessboardCorners, cv2.findChessboardCornersSB)]
-    print(f"{plan_path}: {len(poses)} poses; boards found by the classic detector {found[0]}, by sectors {found[1]}")
-    good = min(found) == len(poses)
+    found = [sum(bool(find(picture, size)[0]) for picture in STATE["pictures"]) for find in (cv2.findChessboardCorners, cv2.findChessboardCornersSB)]
+    print(f"{plan_path}: {len(poses)} poses; boards found by the classic detector {found[0]}, by sectors {found[1]}; "
+          f"calipose's pictures and NumPy's differ by {grey:.2f} grey values, {apart:.4f} px at the corners")
+    good = min(found) == len(poses) and grey < SAME_GREY and apart < SAME_PX
     W = [whiteners(target, camera, views.board, cv2.Rodrigues(R)[0], t.reshape(3, 1), problem["noise"] | {"sigma_px": 1.0})
          for R, t in poses]
     stated = problem["noise"]["sigma_px"]
