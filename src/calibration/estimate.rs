@@ -28,9 +28,8 @@ pub struct Calibration {
     pub covariance: DMatrix<f64>,
     /// How the corners' scatter depends on how they are seen, by which they were weighed.
     pub noise: NoiseModel,
-    /// Estimated standard deviation of one pixel coordinate of a corner of weight 1, under a model of noise that of a corner seen
-    /// square-on, px: from the cost and its degrees of freedom for
-    /// [`Loss::Squared`], else from the median residual.
+    /// Estimated standard deviation of one pixel coordinate of a corner of weight 1, under the edges' noise of one seen square-on,
+    /// px: from the cost and its degrees of freedom for [`Loss::Squared`], else from the median residual.
     pub sigma: f64,
     /// Root mean square length of all residuals, px; OpenCV's reprojection error.
     pub rms: f64,

@@ -232,9 +232,9 @@ fn combination_text(combination: &[(&'static str, f64)]) -> String {
 /// estimated, and those of the estimated ones are not read.
 ///
 /// The optimum minimises the sum of the losses of the corners' residuals, each times the corner's weight and whitened by its
-/// scatter; with [`Loss::Squared`], constant noise and equal weights it is OpenCV's `calibrateCamera`'s. Where that is a rational lens which folds back
-/// before the corners, it is sought again from the lens without denominator, among those that do not. A calibration that
-/// ran out of iterations is returned with `converged` false.
+/// scatter; with [`Loss::Squared`], constant noise and equal weights it is OpenCV's `calibrateCamera`'s. Where that is a
+/// rational lens which folds back before the corners, it is sought again from the lens without denominator, among those that
+/// do not. A calibration that ran out of iterations is returned with `converged` false.
 ///
 /// # Errors
 /// [`CalibrationError`]: inconsistent arguments, and views that do not fix the parameters, with what they leave open.

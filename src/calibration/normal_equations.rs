@@ -12,7 +12,7 @@
 //!
 //! so that `δθ` follows from the p×p Schur complement `S = U − Σ W_i V_i⁻¹ W_iᵀ` and each `ξ_i` from `δθ`.
 
-use nalgebra::{Matrix2, Point3, Vector2};
+use nalgebra::{Point3, Vector2};
 
 use super::factor::Factor;
 use super::loss::Loss;
@@ -66,9 +66,9 @@ impl Measurements {
             let p_C = X_CT * Point3::from(measurement.point.push(0.0));
             // What has no image is told of elsewhere.
             let Some(projection) = camera.project_with_derivatives(&p_C) else { continue };
-            let by_place: Matrix2<f64> = projection.by_point * R.fixed_columns::<2>(0);
             let feature = observations.board().feature(corner.index);
-            measurement.whitening = model.whitening(&feature, &by_place).weighted(corner.weight);
+            let whitening = model.whitening_in_view(&feature, &projection.by_point, &R);
+            measurement.whitening = whitening.weighted(corner.weight);
         }
         measurements
     }

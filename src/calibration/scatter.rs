@@ -6,6 +6,7 @@ use thiserror::Error;
 use super::homography::homography;
 use super::observations::Observations;
 use crate::information::{Noise, NoiseModel};
+use crate::target::Feature;
 
 /// How the corners of repeated pictures scatter, and which model of it fits.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,7 +56,7 @@ struct Repeated {
     deviations: Vec<Vector2<f64>>,
     /// Derivative of the pixel by the place on the board, px per m.
     by_place: Matrix2<f64>,
-    feature: crate::target::Feature,
+    feature: Feature,
 }
 
 impl Scatter {

@@ -33,8 +33,8 @@ impl KnownArguments {
     pub(crate) fn read(&self) -> Result<(Option<Problem>, Known), Failure> {
         let problem = self.problem.as_deref().map(Problem::read).transpose()?;
         let images = self.images.clone();
-        let known = if let Some(Problem { camera, target, .. }) = &problem {
-            Known { board: Some(target.board.clone()), image: Some([camera.width(), camera.height()]), images }
+        let known = if let Some(problem) = &problem {
+            known_by(problem, images)
         } else {
             let board = self
                 .board
@@ -44,6 +44,11 @@ impl KnownArguments {
         };
         Ok((problem, known))
     }
+}
+
+/// What is known by a problem, of those images.
+pub(crate) fn known_by(Problem { camera, target, .. }: &Problem, images: Option<String>) -> Known {
+    Known { board: Some(target.board.clone()), image: Some([camera.width(), camera.height()]), images }
 }
 
 /// The corners in the file at `path`.

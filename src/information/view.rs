@@ -1,6 +1,6 @@
 //! Information of one view of the board.
 
-use nalgebra::{Matrix2, Matrix2x6, Matrix3, Point3, Vector3};
+use nalgebra::{Matrix2x6, Matrix3, Point3, Vector3};
 use rayon::prelude::*;
 
 use super::{Noise, Unknowns, Whitening};
@@ -88,8 +88,7 @@ impl<'a> Measurement<'a> {
         let mut by_pose = Matrix2x6::zeros();
         by_pose.fixed_columns_mut::<3>(0).copy_from(&(-projection.by_point * skew(&arm)));
         by_pose.fixed_columns_mut::<3>(3).copy_from(&projection.by_point);
-        let by_place: Matrix2<f64> = projection.by_point * R.fixed_columns::<2>(0);
-        let whitening = self.noise.model.whitening(&self.features[i], &by_place);
+        let whitening = self.noise.model.whitening_in_view(&self.features[i], &projection.by_point, R);
         Some(Derivatives { by_intrinsics: projection.by_intrinsics, by_pose, whitening })
     }
 

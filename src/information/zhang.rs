@@ -39,8 +39,7 @@ impl Measurement<'_> {
         for i in seen.indices(self.corners.len()) {
             let corner = &self.corners[i];
             let by_point = self.unknowns.camera.project_with_derivatives(&(X_CT * corner))?.by_point;
-            let by_place: Matrix2<f64> = by_point * R.matrix().fixed_columns::<2>(0);
-            let whitening = self.noise.model.whitening(&self.features[i], &by_place);
+            let whitening = self.noise.model.whitening_in_view(&self.features[i], &by_point, R.matrix());
             let by_point = whitening.of_rows(&by_point) / self.noise.sigma;
             let mut A = SMatrix::<f64, 2, 9>::zeros();
             for (c, factor) in [corner.x, corner.y, 1.0].into_iter().enumerate() {

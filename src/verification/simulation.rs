@@ -1,6 +1,6 @@
 //! Simulated detections.
 
-use nalgebra::{Matrix2, Point3};
+use nalgebra::Point3;
 use rand::{Rng, RngCore, SeedableRng};
 use rand_distr::StandardNormal;
 use rand_xoshiro::{SplitMix64, Xoshiro256PlusPlus};
@@ -66,8 +66,7 @@ impl Scene {
         }
         let projection = self.camera.project_with_derivatives(&(X_CT * p_T))?;
         let R = X_CT.rotation.to_rotation_matrix();
-        let by_place: Matrix2<f64> = projection.by_point * R.matrix().fixed_columns::<2>(0);
-        Some(self.noise.whitening(&board.feature(index), &by_place))
+        Some(self.noise.whitening_in_view(&board.feature(index), &projection.by_point, R.matrix()))
     }
 }
 

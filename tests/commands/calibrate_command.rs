@@ -443,6 +443,28 @@ fn a_recommended_plan_is_not_called_weak() {
     assert_eq!((judged(8), judged(10)), ("weak".into(), "fair".into()));
 }
 
+/// A problem file says how the corners scatter; constant noise is another estimate.
+#[test]
+fn corners_are_weighed_by_the_noise_of_the_problem_file_or_by_none() {
+    let path = |path: &str| std::path::absolute(path).unwrap().to_str().unwrap().to_owned();
+    let folder = tempfile::tempdir().unwrap();
+    let (corners, problem) =
+        (path("problems/examples/servosila-corners.vnl"), path("problems/servosila-engineer.toml"));
+    let arguments = [corners.as_str(), "--problem", &problem];
+    let weighted = calibrated(folder.path(), &arguments);
+    let unweighted = calibrated(folder.path(), &[&arguments[..], &["--noise-model", "constant"]].concat());
+    assert_eq!(weighted["noise"], json!({ "model": "edges", "window_px": 5.0 }));
+    assert_eq!(unweighted["noise"], json!({ "model": "constant" }));
+    let text = std::fs::read_to_string(&problem).unwrap();
+    let text = text.replace("[noise]\n", "[noise]\nmodel = \"constant\"\n");
+    std::fs::write(folder.path().join("constant.toml"), text).unwrap();
+    assert_eq!(
+        calibrated(folder.path(), &[&corners, "--problem", "constant.toml"])["intrinsics"],
+        unweighted["intrinsics"]
+    );
+    assert_ne!(weighted["intrinsics"], unweighted["intrinsics"]);
+}
+
 #[test]
 fn weights_are_read_and_levels_are_weights() {
     let observations = simulated();

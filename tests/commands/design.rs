@@ -108,6 +108,12 @@ fn what_is_wrong_with_a_design_is_told_under_its_line() {
             "selection.criterion=v",
         ),
         ("camera.roll_deg", "selection.count", "does not apply to the design of a set-up", "calipose study"),
+        (
+            "key = \"camera.roll_deg\"\nrange = { from = 0, to = 135, step = 45 }",
+            "name = \"few\"\nlevels = [{ name = \"five\", set = [\"selection={count=5}\"] }]",
+            "does not apply to the design of a set-up",
+            "calipose study",
+        ),
         ("screened = 16", "screened = 0", "`search.screened` is 0", "from 1 to"),
         ("problem = \"coarse.toml\"", "problem = \"none.toml\"", "No such file", "relative to the folder"),
     ];

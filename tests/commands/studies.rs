@@ -272,6 +272,15 @@ folder = "drawn"
     let first = std::fs::read(desk.path("drawn/results.csv")).unwrap();
     desk.stdout("study run drawn.toml -o again --threads 1 --quiet");
     assert!(std::fs::read(desk.path("again/results.csv")).unwrap() == first);
+    // A factor cannot be called as any other column is.
+    let factors = ["noise.sigma_px", "camera.fx_px", "simulate.joint_noise_deg"];
+    let own: Vec<&String> = rows[0].keys().filter(|column| !factors.contains(&column.as_str())).collect();
+    assert!(own.len() > 23, "{own:?}");
+    for name in own {
+        write(&desk, "named.toml", &STUDY.replace("name = \"tilt\"", &format!("name = \"{name}\"")));
+        let told = desk.complaint("study check named.toml", 3);
+        assert!(told.contains("given more than once"), "{told}");
+    }
 }
 
 #[test]

@@ -3,8 +3,8 @@
     python tests/cross_check/map_error.py PROBLEM PLAN [PROBLEM PLAN ...]
 
 From a plan's camera poses and its problem file alone: OpenCV's Jacobians of the corners by the intrinsics and by each view's
-pose, which a QR eliminates; the covariance of the intrinsics; and the map error as an integral over the image's area
-by a product Gauss rule on OpenCV's undistorted rays. Makes a virtual environment with OpenCV from PyPI (in
+pose, which a QR eliminates; the covariance of the intrinsics, with weights and without (the sandwich); and the map error as an
+integral over the image's area by a product Gauss rule on OpenCV's undistorted rays. Makes a virtual environment with OpenCV from PyPI (in
 $CROSS_CHECK_VENV, or a temporary folder). Exits with 1 where plan.json says otherwise by more than TOLERANCE.
 """
 
@@ -91,6 +91,14 @@ def corners(target):
     return np.array([[a, b, 0.0] for b in y for a in x])
 
 
+def board_in_camera(problem, pose):
+    """Rotation and position of the board in the camera's frame at a plan's pose."""
+    board = problem["target"]["pose"]
+    R_BT, t_BT = from_rpy(board.get("rpy_deg", [0, 0, 0])), np.array(board["position_mm"]) / 1e3
+    R_CB = rotation(pose["camera_in_base"]["quaternion_xyzw"]).T
+    return R_CB @ R_BT, R_CB @ (t_BT - np.array(pose["camera_in_base"]["position_m"]))
+
+
 def whiteners(target, camera, board, rvec, tvec, noise):
     """W (2 x 2) of each corner, W^T W its inverse covariance: by the two edges that a detector's square window sees of a crossing."""
     if noise.get("model", "edges") == "constant":
@@ -108,22 +116,30 @@ def whiteners(target, camera, board, rvec, tvec, noise):
     return np.transpose(np.linalg.cholesky(precision), (0, 2, 1)) / noise["sigma_px"]
 
 
-def information(camera, target, board_pose, pose, noise):
-    """The p x p information of one view on all intrinsics, its pose eliminated."""
-    board = corners(target)
-    R_BT, t_BT = board_pose
-    R_BC = rotation(pose["camera_in_base"]["quaternion_xyzw"])
-    t_BC = np.array(pose["camera_in_base"]["position_m"])
-    R, t = R_BC.T @ R_BT, R_BC.T @ (t_BT - t_BC)
+def eliminated(A, B):
+    """What of A the columns of B do not explain."""
+    Q = np.linalg.qr(B)[0]
+    return A - Q @ (Q.T @ A)
+
+
+def information(camera, problem, pose):
+    """The p x p information of one view on all intrinsics, its pose eliminated; and of plain least squares, which weighs nothing, the
+    normal matrix and the scatter of its gradient."""
+    target, noise = problem["target"], problem["noise"]
+    board, (R, t) = corners(target), board_in_camera(problem, pose)
     seen = pose.get("corners_seen")
     rvec, tvec = cv2.Rodrigues(R)[0], t.reshape(3, 1)
     board = board if seen is None else board[seen]
     W = whiteners(target, camera, board, rvec, tvec, noise)
-    A, B = [np.einsum("jik,jkl->jil", W, J.reshape(len(board), 2, -1)).reshape(2 * len(board), -1)
-            for J in camera.jacobians(board, rvec, tvec)]
-    Q = np.linalg.qr(B)[0]
-    A = A - Q @ (Q.T @ A)
-    return A.T @ A
+    A, B = camera.jacobians(board, rvec, tvec)
+
+    def of_corners(matrices, rows):
+        return np.einsum("jik,jkl->jil", matrices, rows.reshape(len(board), 2, -1)).reshape(2 * len(board), -1)
+
+    weighted = eliminated(of_corners(W, A), of_corners(W, B))
+    plain = eliminated(A, B)
+    covariances = np.linalg.inv(np.transpose(W, (0, 2, 1)) @ W)
+    return weighted.T @ weighted, plain.T @ plain, plain.T @ of_corners(covariances, plain)
 
 
 def map_weight(camera, estimated):
@@ -135,9 +151,14 @@ def map_weight(camera, estimated):
     J, by_pose = camera.jacobians(camera.rays(pixels), np.zeros((3, 1)), np.zeros((3, 1)))
     root = np.repeat(np.sqrt(share), 2)[:, None]
     J, R = J[:, estimated] * root, by_pose[:, :3] * root
-    Q = np.linalg.qr(R)[0]
-    J = J - Q @ (Q.T @ J)
+    J = eliminated(J, R)
     return J.T @ J
+
+
+def inverse(M):
+    """Parameters in unlike units lose their digits otherwise."""
+    unit = 1 / np.sqrt(np.diag(M))
+    return np.linalg.inv(M * np.outer(unit, unit)) * np.outer(unit, unit)
 
 
 def compare(problem_path, plan_path):
@@ -146,19 +167,26 @@ def compare(problem_path, plan_path):
     camera = Camera(problem["camera"])
     names = plan["intrinsics"]["names"]
     estimated = [camera.names.index(name) for name in names]
-    pose = problem["target"]["pose"]
-    board_pose = from_rpy(pose.get("rpy_deg", [0, 0, 0])), np.array(pose["position_mm"]) / 1e3
-    target, noise = problem["target"], problem["noise"]
-    M = sum(information(camera, target, board_pose, pose, noise) for pose in plan["poses"])
-    M = M[np.ix_(estimated, estimated)]
-    unit = 1 / np.sqrt(np.diag(M))
-    covariance = np.linalg.inv(M * np.outer(unit, unit)) * np.outer(unit, unit)
-    found = np.sqrt(np.trace(map_weight(camera, estimated) @ covariance))
-    worst = max(abs(s / t - 1) for s, t in zip(np.sqrt(np.diag(covariance)), plan["intrinsics"]["sigma"]))
+    sums = [sum(matrices)[np.ix_(estimated, estimated)] for matrices in zip(*(information(camera, problem, pose) for pose in plan["poses"]))]
+    weight = map_weight(camera, estimated)
+
+    def accuracy(covariance):
+        return np.sqrt(np.trace(weight @ covariance)), np.sqrt(np.diag(covariance))
+
+    M, H, K = sums
+    found, sigma = accuracy(inverse(M))
+    worst = max(abs(s / t - 1) for s, t in zip(sigma, plan["intrinsics"]["sigma"]))
     stated = plan["map_error_px"]
     print(f"{plan_path}: {len(plan['poses'])} poses; map error {stated:.6f} px, by OpenCV and NumPy {found:.6f}; "
           f"worst sigma off by {worst:.1e}")
-    return abs(found / stated - 1) <= TOLERANCE and worst <= TOLERANCE
+    good = abs(found / stated - 1) <= TOLERANCE and worst <= TOLERANCE
+    plain = plan.get("unweighted")
+    if plain is None:
+        return good
+    unweighted, sigma = accuracy(inverse(H) @ K @ inverse(H))
+    worst = max(abs(s / t - 1) for s, t in zip(sigma, plain["sigma"]))
+    print(f"    without weights {plain['map_error_px']:.6f} px, by OpenCV and NumPy {unweighted:.6f}; worst sigma off by {worst:.1e}")
+    return good and abs(unweighted / plain["map_error_px"] - 1) <= TOLERANCE and worst <= TOLERANCE
 
 
 if __name__ == "__main__":

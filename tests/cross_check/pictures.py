@@ -9,7 +9,7 @@ corners both must have the same grey values, and cornerSubPix must find the same
 every board. For every seed the sensor's noise is added, at two levels; cornerSubPix finds the corners, `cv2.calibrateCamera` and
 `calipose calibrate` the camera, from the corners alone. Printed are the corners' scatter and the true map error over the image's area
 after the best rotation, as a whole, and as scatter over the seeds and the systematic rest, beside what the plan predicts for so much
-noise. With --scatter, views of one board between 0 and 70 degrees of tilt and squares of 8 to 60 px hold the scatter of cornerSubPix
+noise; `calipose noise` must find the same scatter in the corners. With --scatter, views of one board between 0 and 70 degrees of tilt and squares of 8 to 60 px hold the scatter of cornerSubPix
 against the model of the noise. Exits with 1 where a prediction is off by more than 15 %, a board is not found, or the two renderers
 differ.
 """
@@ -25,12 +25,14 @@ from pathlib import Path
 
 import map_error
 from environment import run_with
-from map_error import Camera, corners, from_rpy, rotation, whiteners
+from map_error import Camera, board_in_camera, corners, whiteners
 
 ROOT = Path(__file__).resolve().parents[2]
 AGREE = 0.15
 # How far the two renderers may be apart: grey values in the mean, px between the corners found.
 SAME_GREY, SAME_PX = 0.5, 0.02
+# How far the noise measured by `calipose noise` may be from NumPy's, as a share.
+SAME_SIGMA = 0.005
 
 # Grey values.
 BLACK, WHITE, AROUND = 40.0, 200.0, 110.0
@@ -263,17 +265,28 @@ def parts(errors):
     return np.sqrt((errors**2).sum(1).mean()), scatter, systematic
 
 
+def same_noise(seen, constant, edges):
+    """Whether `calipose noise` finds the same in the corners of every view, each a scene of repeated pictures."""
+    files = []
+    for view in range(seen.shape[1]):
+        files.append(STATE["folder"] / f"scene-{view}.vnl")
+        lines = [f"{picture}.png {u} {v} 0" for picture, corners in enumerate(seen[:, view]) for u, v in corners]
+        files[-1].write_text("\n".join(["# filename x y level", *lines, ""]))
+    run = [program(), "noise", *files, "--problem", STATE["problem"], "--json", "--quiet"]
+    found = json.loads(subprocess.run(run, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, check=True).stdout)
+    sigma = {model["model"]: model["sigma_px"] for model in found["models"]}
+    off = max(abs(sigma["constant"] / constant - 1), abs(sigma["edges"] / edges - 1))
+    print(f"  calipose noise: {found['models'][0]['model']}, sigma off by {off:.1e}")
+    # It takes the edges' directions from a homography of the corners, not from the camera.
+    return off < SAME_SIGMA and found["models"][0]["model"] == "edges"
+
+
 def plan_on_pictures(problem_path, plan_path, seeds):
     problem, plan = tomllib.loads(Path(problem_path).read_text()), json.loads(Path(plan_path).read_text())
     camera, target = Camera(problem["camera"]), problem["target"]
     if camera.model not in ("none", "brown-conrady"):
         sys.exit(f"{problem_path}: the lens {camera.model} is not rendered")
-    pose = target["pose"]
-    R_BT, t_BT = from_rpy(pose.get("rpy_deg", [0, 0, 0])), np.array(pose["position_mm"]) / 1e3
-    poses = []
-    for planned in plan["poses"]:
-        R_BC = rotation(planned["camera_in_base"]["quaternion_xyzw"])
-        poses.append((R_BC.T @ R_BT, R_BC.T @ (t_BT - np.array(planned["camera_in_base"]["position_m"]))))
+    poses = [board_in_camera(problem, pose) for pose in plan["poses"]]
     views = Views(camera, target, poses)
     names = plan["intrinsics"]["names"]
     flags = 0
@@ -302,6 +315,7 @@ def plan_on_pictures(problem_path, plan_path, seeds):
         deviations = seen - seen.mean(0)
         freedoms = 2 * (seeds - 1) * seen.shape[1] * seen.shape[2]
         sigma = np.sqrt((np.einsum("vjik,svjk->svji", np.array(W), deviations) ** 2).sum() / freedoms)
+        good &= same_noise(seen, np.sqrt((deviations**2).sum() / freedoms), sigma)
         offset = np.sqrt(((seen.mean(0) - np.array(STATE["truths"])) ** 2).mean())
         print(f"  {level}: corners scatter by {np.sqrt((deviations**2).sum() / freedoms):.3f} px (square-on {sigma:.3f}) and are off by {offset:.3f}")
         for name, errors, predicted in [("OpenCV", by_opencv, unweighted * sigma), ("calipose, weighted", by_us, weighted * sigma)]:

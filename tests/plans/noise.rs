@@ -25,7 +25,7 @@ fn best(problem: &Problem) -> (Vec<Vec<f64>>, f64) {
 fn calibrations_with_and_without_weights_scatter_as_predicted() {
     let problem = problem(&[]);
     let (configurations, map_error) = best(&problem);
-    let mut predicted = Vec::new();
+    let (mut predicted, mut measured) = (Vec::new(), Vec::new());
     for weighing in [Weighing::Weighted, Weighing::Unweighted] {
         let found = verify(&problem, &configurations, &Disturbance::default(), weighing, 300, 1, &|_| {}).unwrap();
         assert!(found.failures.is_empty(), "{:?}", found.failures);
@@ -35,10 +35,12 @@ fn calibrations_with_and_without_weights_scatter_as_predicted() {
             assert!(low < 1.05 && high > 0.95, "{weighing:?}: {parameter:?}");
         }
         predicted.push(found.map_error.predicted);
+        measured.push(found.map_error.measured);
     }
     assert!((predicted[0] / map_error - 1.0).abs() < 1e-9);
     // No estimate without bias scatters less than the weighted one, and here it makes a difference.
     assert!(predicted[1] > 1.02 * predicted[0], "{predicted:?}");
+    assert!(measured[1] > 1.02 * measured[0], "of the same pictures: {measured:?}");
 }
 
 #[test]
@@ -51,14 +53,26 @@ fn under_constant_noise_weights_change_nothing() {
     assert_eq!(a.map_error.measured, b.map_error.measured);
 }
 
+/// Nearer than one and a half windows another edge comes into the window, and the detector goes astray.
+#[test]
+fn squares_are_as_high_as_the_detectors_window_needs() {
+    let spacing = |set: &[&str]| of_the_rover(set).visibility.min_corner_spacing;
+    assert_eq!(spacing(&["noise.model=constant"]), 5.0);
+    assert_eq!(spacing(&[]), 8.0);
+    assert_eq!(spacing(&["noise.window_px=11"]), 17.0);
+    assert_eq!(spacing(&["noise.window_px=11", "visibility.min_corner_spacing_px=6"]), 6.0);
+}
+
 #[test]
 fn the_margin_leaves_room_for_the_detectors_window() {
-    let margin = |set: &[&str]| {
-        let overrides = set.iter().fold(Overrides::new(), |overrides, set| overrides.set(set).unwrap());
-        Problem::read_with(Path::new("problems/six-axis-rover.toml"), &overrides).unwrap().visibility.margin
-    };
+    let margin = |set: &[&str]| of_the_rover(set).visibility.margin;
     assert_eq!(margin(&["noise.model=constant"]), 5.0);
     assert_eq!(margin(&[]), 8.0);
     assert_eq!(margin(&["noise.window_px=11"]), 14.0);
     assert_eq!(margin(&["noise.window_px=11", "visibility.margin_px=6"]), 6.0);
+}
+
+fn of_the_rover(set: &[&str]) -> Problem {
+    let overrides = set.iter().fold(Overrides::new(), |overrides, set| overrides.set(set).unwrap());
+    Problem::read_with(Path::new("problems/six-axis-rover.toml"), &overrides).unwrap()
 }

@@ -15,7 +15,7 @@ const BETTER_LENS: f64 = 0.7;
 pub(super) const GOOD_MAP_ERROR: f64 = 1.0;
 
 /// Map error, px, that is fair: ten poses planned for any of the robots that ship reach it.
-const FAIR_MAP_ERROR: f64 = 2.5;
+const FAIR_MAP_ERROR: f64 = 2.0;
 
 /// The verdict on a calibration, the gravest that applies.
 #[derive(Debug, Clone, PartialEq)]

@@ -6,6 +6,7 @@ use clap::Args;
 
 use crate::calibration::{CalibrationSettings, calibrate};
 use crate::cli::interrupt::writing;
+use crate::cli::known::{known_by, read_detections};
 use crate::cli::loaded_plan::LoadedPlan;
 use crate::cli::long_work::sweeping;
 use crate::cli::output::collision::untested_text;
@@ -13,7 +14,6 @@ use crate::cli::output::failure::Failure;
 use crate::cli::output::pose_table::pose_table;
 use crate::cli::output::verdict::Verdict;
 use crate::cli::output::{Screen, short, table};
-use crate::formats::{Known, read_detections_file};
 use crate::plan::assess::{Proposal, Request, next};
 use crate::plan::document::{Document, EstimatedIntrinsics};
 use crate::plan::results::{add_results, probe};
@@ -72,13 +72,7 @@ pub(crate) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<Verd
     let folder = arguments.plan.parent().unwrap_or(Path::new(""));
     probe(folder)?;
     let path = &arguments.observations;
-    let known = Known {
-        board: Some(problem.target.board.clone()),
-        image: Some([problem.camera.width(), problem.camera.height()]),
-        images: arguments.images.clone(),
-    };
-    let detections =
-        read_detections_file(path, &known).map_err(|error| Failure::Observations { path: path.clone(), error })?;
+    let detections = read_detections(path, &known_by(&problem, arguments.images.clone()))?;
     let settings = CalibrationSettings { noise: problem.noise.model, ..CalibrationSettings::default() };
     let calibration =
         calibrate(&detections.observations, &problem.camera, &problem.estimated, &settings).map_err(|error| {

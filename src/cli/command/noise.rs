@@ -8,7 +8,7 @@ use crate::calibration::{FittedNoise, Scatter};
 use crate::cli::known::{KnownArguments, read_detections, window};
 use crate::cli::output::failure::Failure;
 use crate::cli::output::{Screen, short, table};
-use crate::information::NoiseModel;
+use crate::information::{Noise, NoiseModel};
 use crate::plan::document::NoiseDocument;
 
 #[derive(Debug, Args)]
@@ -58,29 +58,18 @@ fn text(scatter: &Scatter, document: &NoiseDocument) -> String {
     } else {
         String::new()
     };
-    let Stated { sigma, model } = Stated::of(scatter.better());
+    let Noise { sigma, model } = scatter.better().noise;
+    let model = match model {
+        NoiseModel::Constant => "model = \"constant\"".into(),
+        NoiseModel::Edges { window } => format!("model = \"edges\"\nwindow_px = {}", short(window)),
+    };
     format!(
         "{} corners of {} scenes in {} pictures.\n\n{}\n\nMisfit: how far the corners' own scatter is from the model's, beyond chance.\n\
-         {moved}\nFor the problem file:\n\n[noise]\nsigma_px = {sigma}\n{model}\n",
+         {moved}\nFor the problem file:\n\n[noise]\nsigma_px = {}\n{model}\n",
         scatter.corners,
         document.scenes,
         document.pictures,
         table(&["model", "sigma [px]", "window [px]", "misfit"], &rows),
+        short(sigma),
     )
-}
-
-/// What a problem file says of it.
-struct Stated {
-    sigma: String,
-    model: String,
-}
-
-impl Stated {
-    fn of(fitted: &FittedNoise) -> Self {
-        let model = match fitted.noise.model {
-            NoiseModel::Constant => "model = \"constant\"".into(),
-            NoiseModel::Edges { window } => format!("model = \"edges\"\nwindow_px = {}", short(window)),
-        };
-        Self { sigma: short(fitted.noise.sigma), model }
-    }
 }

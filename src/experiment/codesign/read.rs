@@ -19,7 +19,7 @@ const COORDINATE: Allowed = Allowed::between(-1e6, 1e6);
 const MOST_FREE: usize = 20;
 
 /// Sections of the problem file that say what is asked for, not what the set-up is.
-const GOALS: [&str; 2] = ["selection.", "estimate."];
+const GOALS: [&str; 2] = ["selection", "estimate"];
 
 /// The JSON Schema of design files.
 pub(super) fn schema_json() -> Value {
@@ -81,7 +81,9 @@ fn codesign(check: &mut Check, file: &At<DesignFile>, common: Stated, base: Base
     }
     for (stated, factor) in stated.elements().zip(&free) {
         // Values of other goals, or on other intrinsics, are not of one scale.
-        let is_of_goal = |text: &String| GOALS.iter().any(|section| text.trim_start().starts_with(section));
+        let section =
+            |text: &String| text.split(['.', '=']).next().map(|name| name.trim().trim_matches('"').to_owned());
+        let is_of_goal = |text: &String| section(text).is_some_and(|section| GOALS.contains(&section.as_str()));
         if factor.samples().iter().flat_map(|level| &level.set).any(is_of_goal) {
             check.not_applicable(&stated.path, "the design of a set-up", "vary it in a study, `calipose study`");
         }
