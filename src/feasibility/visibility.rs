@@ -101,8 +101,8 @@ fn illegible(camera: &Camera, limits: &VisibilityLimits, marker: &Marker, X_CT: 
     is_small.then_some(Rejection::CornerSpacing)
 }
 
-/// The corners of a board with `count` that are told from each other in a picture that `camera` takes from `X_CT`, as far as its
-/// `markers` are in it whole.
+/// The corners of a board with `count` that are told from each other in a picture that `camera` takes from `X_CT`, as far as
+/// its `markers` are in it whole.
 pub fn told_in_image(camera: &Camera, markers: &[Marker], count: usize, X_CT: &Pose) -> Vec<bool> {
     let is_in = |point: &Point3<f64>| camera.project(&(X_CT * point)).is_some_and(|pixel| camera.contains(&pixel, 0.0));
     told(markers, count, |marker| marker.outline.iter().all(is_in))

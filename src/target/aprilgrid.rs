@@ -1,5 +1,7 @@
 //! Kalibr's grid of AprilTags.
 
+use std::f64::consts::SQRT_2;
+
 use nalgebra::{Point3, Vector2};
 
 use super::dictionary::Dictionary;
@@ -7,8 +9,9 @@ use super::error::{BoardError, at_least, length};
 use super::feature::Feature;
 use super::layout::{Layout, Marker};
 
-/// A grid of the tags of AprilTag 36h11, with small black squares between their corners, as Kalibr draws it. Its corners are those of
-/// the tags in Kalibr's order: row by row of the grid that they make together, from the lower left one, whose tag has the number 0.
+/// A grid of the tags of AprilTag 36h11, with small black squares between their corners, as Kalibr draws it. Its corners are
+/// those of the tags in Kalibr's order: row by row of the grid that they make together, from the lower left one, whose tag has
+/// the number 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AprilGrid {
     columns: usize,
@@ -96,7 +99,8 @@ impl Layout for AprilGrid {
         Point3::new(x + (column % 2) as f64 * self.tag, y + (row % 2) as f64 * self.tag, 0.0)
     }
 
-    /// A tag and a small square meet in each corner, as squares of a chessboard do: the edges of the shorter one reach to both sides.
+    /// A tag and a small square meet in each corner, as squares of a chessboard do: the edges of the shorter one reach to both
+    /// sides.
     fn feature(&self, _: usize) -> Feature {
         let reach = self.tag * self.spacing.min(1.0);
         Feature::Corner { edges: [Vector2::new(reach, 0.0), Vector2::new(0.0, reach)], is_crossing: true }
@@ -113,6 +117,11 @@ impl Layout for AprilGrid {
             _ => i + 1,
         };
         [row * columns + next(column, columns), next(row, 2 * self.rows) * columns + column]
+    }
+
+    /// The bits begin on the tags' diagonals, behind the border.
+    fn clear(&self) -> Option<f64> {
+        Some(SQRT_2 * BORDER as f64 / self.modules() as f64 / self.spacing)
     }
 
     /// With the small squares around.

@@ -12,8 +12,8 @@ use super::feature::Feature;
 use super::layout::{Layout, Marker, fix_homography};
 use super::points::Points;
 
-/// A planar board, by its kind. Its *corners* are the points that are detected, of whatever kind: each has an index, and frame T has
-/// its origin in the middle of what is printed.
+/// A planar board, by its kind. Its *corners* are the points that are detected, of whatever kind: each has an index, and frame
+/// T has its origin in the middle of what is printed.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Board {
     /// Light and dark squares.
@@ -76,9 +76,16 @@ impl Board {
         self.layout().feature(index)
     }
 
-    /// Two corners near the one with that index, in different directions: how small it is in a picture shows by how near they come.
+    /// Two corners near the one with that index, in different directions: how small it is in a picture shows by how near they
+    /// come.
     pub fn neighbours(&self, index: usize) -> [usize; 2] {
         self.layout().neighbours(index)
+    }
+
+    /// How far from a corner the nearest marker's pattern begins, as a share of the way to its neighbours; none without
+    /// markers.
+    pub fn clear(&self) -> Option<f64> {
+        self.layout().clear()
     }
 
     /// What must be read whole for corners to count.

@@ -1,5 +1,7 @@
 //! OpenCV's ChArUco board: a chessboard with markers in its light squares.
 
+use std::f64::consts::SQRT_2;
+
 use nalgebra::{Point3, Vector2};
 
 use super::dictionary::Dictionary;
@@ -7,8 +9,8 @@ use super::error::{BoardError, at_least, length};
 use super::feature::Feature;
 use super::layout::{Layout, Marker, beside_and_above};
 
-/// A ChArUco board. Its corners are the inner ones of the chessboard with the numbers that OpenCV gives them: row by row from the
-/// **upper** left one, as the board is seen from the front.
+/// A ChArUco board. Its corners are the inner ones of the chessboard with the numbers that OpenCV gives them: row by row from
+/// the **upper** left one, as the board is seen from the front.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Charuco {
     columns: usize,
@@ -20,8 +22,8 @@ pub struct Charuco {
 }
 
 impl Charuco {
-    /// A board of `columns` × `rows` squares of `square` m, with markers of `marker` m from the dictionary. Where `is_legacy`, it is
-    /// that of OpenCV before 4.6 and of calib.io: with an even number of rows it begins with a light square.
+    /// A board of `columns` × `rows` squares of `square` m, with markers of `marker` m from the dictionary. Where `is_legacy`,
+    /// it is that of OpenCV before 4.6 and of calib.io: with an even number of rows it begins with a light square.
     ///
     /// # Errors
     /// [`BoardError`] for what is no board.
@@ -116,6 +118,11 @@ impl Layout for Charuco {
 
     fn neighbours(&self, index: usize) -> [usize; 2] {
         beside_and_above(index, self.columns - 1)
+    }
+
+    /// Their corners are on the squares' diagonals.
+    fn clear(&self) -> Option<f64> {
+        Some(SQRT_2 * (self.square - self.marker) / (2.0 * self.square))
     }
 
     fn printed_size(&self) -> (f64, f64) {

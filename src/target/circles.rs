@@ -6,8 +6,8 @@ use super::error::{BoardError, at_least, length};
 use super::feature::Feature;
 use super::layout::{Layout, beside_and_above};
 
-/// A grid of black circles. Its corners are their centres. In the plain grid they are counted row by row from the lower left one; in
-/// the asymmetric one, whose every other row is half a step to the right, from the **upper** left one, as OpenCV does.
+/// A grid of black circles. Its corners are their centres. In the plain grid they are counted row by row from the lower left
+/// one; in the asymmetric one, whose every other row is half a step to the right, from the **upper** left one, as OpenCV does.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Circles {
     columns: usize,
@@ -18,8 +18,8 @@ pub struct Circles {
 }
 
 impl Circles {
-    /// A grid of `rows` rows with `columns` circles each, `spacing` m between the centres of neighbours of a row, and with circles of
-    /// `diameter` m. In the asymmetric one rows are half of that apart.
+    /// A grid of `rows` rows with `columns` circles each, `spacing` m between the centres of neighbours of a row, and with
+    /// circles of `diameter` m. In the asymmetric one rows are half of that apart.
     ///
     /// # Errors
     /// [`BoardError`] for what is no board.

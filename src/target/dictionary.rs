@@ -104,12 +104,12 @@ mod tests {
             .fold(0, |tag, bit| tag << 1 | u64::from(Dictionary::APRILTAG_36H11.is_light(0, bit / 6, bit % 6)));
         assert_eq!(tag, 0xd_5d62_8584);
         // DICT_4X4's first marker, from OpenCV's documentation: B5 32.
-        let rows = |row: usize| (0..4).map(|column| u8::from(DICTIONARIES_4X4.is_light(0, row, column))).collect();
+        let rows = |row: usize| (0..4).map(|column| u8::from(SMALLEST.is_light(0, row, column))).collect();
         let rows: Vec<Vec<u8>> = (0..4).map(rows).collect();
         assert_eq!(rows, [[1, 0, 1, 1], [0, 1, 0, 1], [0, 0, 1, 1], [0, 0, 1, 0]]);
     }
 
-    const DICTIONARIES_4X4: Dictionary = Dictionary(&DICTIONARIES[0]);
+    const SMALLEST: Dictionary = Dictionary(&DICTIONARIES[0]);
 
     #[test]
     fn names_are_opencvs() {

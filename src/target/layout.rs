@@ -32,6 +32,12 @@ pub(super) trait Layout {
     /// Two corners near it, in different directions.
     fn neighbours(&self, index: usize) -> [usize; 2];
 
+    /// How far from a corner the nearest marker's pattern begins, as a share of the way to its neighbours; none without
+    /// markers.
+    fn clear(&self) -> Option<f64> {
+        None
+    }
+
     /// Extent of what is printed along x and y, its middle T's origin.
     fn printed_size(&self) -> (f64, f64);
 
@@ -51,8 +57,8 @@ pub(super) trait Layout {
     }
 }
 
-/// The neighbours of a corner of a grid, row by row: the one before it in its row and the one before it in its column, or after it
-/// where there is none.
+/// The neighbours of a corner of a grid, row by row: the one before it in its row and the one before it in its column, or after
+/// it where there is none.
 pub(super) fn beside_and_above(index: usize, columns: usize) -> [usize; 2] {
     [
         if index.is_multiple_of(columns) { index + 1 } else { index - 1 },
@@ -60,7 +66,8 @@ pub(super) fn beside_and_above(index: usize, columns: usize) -> [usize; 2] {
     ]
 }
 
-/// Directions that differ by less (rad) are one: rounding alone makes some 10⁻¹³, and corners of the largest boards differ by 10⁻⁶.
+/// Directions that differ by less (rad) are one: rounding alone makes some 10⁻¹³, and corners of the largest boards differ by
+/// 10⁻⁶.
 const ON_A_LINE: f64 = 1e-9;
 
 /// Whether corners (by index, each once), at these places on the board, fix the homography between board and image.

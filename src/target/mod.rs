@@ -95,8 +95,8 @@ impl Corners {
 /// Pose `X_TC` of a camera whose optical axis goes through the board's centre, from `distance` (m) away.
 ///
 /// It stands `tilt` (rad) off the board's normal, in the direction `azimuth` from the board's x towards its y. At roll 0 its
-/// image is turned no further than it takes to look there: from straight ahead, `x_C` is `x_T` and `y_C` is `−y_T`. `roll` turns the
-/// camera about its optical axis.
+/// image is turned no further than it takes to look there: from straight ahead, `x_C` is `x_T` and `y_C` is `−y_T`. `roll`
+/// turns the camera about its optical axis.
 pub fn viewpoint(distance: f64, tilt: f64, azimuth: f64, roll: f64) -> Pose {
     let about = |axis, angle| UnitQuaternion::from_axis_angle(&axis, angle);
     let (x, y, z) = (Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis());

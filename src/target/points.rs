@@ -38,8 +38,8 @@ const APART: f64 = 1e-9;
 const ASIDE: f64 = 0.1;
 
 impl Points {
-    /// A board of these points, m, each with its group where it has one. Frame T has its origin in the middle of the smallest rectangle
-    /// along the axes that holds them all.
+    /// A board of these points, m, each with its group where it has one. Frame T has its origin in the middle of the smallest
+    /// rectangle along the axes that holds them all.
     ///
     /// # Errors
     /// [`BoardError`] for what is no board.

@@ -30,9 +30,9 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Detects the corners of `board`: each coordinate with Gaussian noise, those outside the image, on markers that are not whole in
-    /// it, or unlucky missing.
-    /// Views left with too few corners to calibrate from are missing too. The same `seed` gives the same noise.
+    /// Detects the corners of `board`: each coordinate with Gaussian noise, those outside the image, on markers that are not
+    /// whole in it, or unlucky missing. Views left with too few corners to calibrate from are missing too. The same `seed`
+    /// gives the same noise.
     ///
     /// # Errors
     /// [`ObservationError`] where no view is left, or one cannot be calibrated from for another reason.

@@ -5,7 +5,7 @@ use std::process::Output;
 
 use calipose::calibration::Observations;
 use calipose::camera::{Camera, Lens};
-use calipose::formats::{Known, StatedCamera, read_camera_file, read_detections};
+use calipose::formats::{Known, StatedBoard, StatedCamera, read_board_file, read_camera_file, read_detections};
 use calipose::information::{Noise, NoiseModel};
 use calipose::problem::Problem;
 use calipose::spatial::Pose;
@@ -121,7 +121,8 @@ fn vnl_and_json_give_the_camera_they_come_from() {
     assert_eq!(written, from_json);
 }
 
-/// In part or whole, by the numbers that the kinds of boards give their corners; of the grids some views lack what is on cut markers.
+/// In part or whole, by the numbers that the kinds of boards give their corners; of the grids some views lack what is on cut
+/// markers.
 #[test]
 fn boards_of_every_kind_give_the_camera() {
     let folder = tempfile::tempdir().unwrap();
@@ -153,6 +154,38 @@ fn boards_of_every_kind_give_the_camera() {
     // Without the problem nothing says which board it is.
     let output = calibrate(folder.path(), &["corners.json"]);
     assert!(!output.status.success() && String::from_utf8_lossy(&output.stderr).contains("board"));
+}
+
+#[test]
+fn a_file_says_which_board_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| std::path::absolute(Path::new("tests/data/target-files").join(name)).unwrap();
+    let StatedBoard::AprilGrid(grid) = read_board_file(&file("kalibr-aprilgrid.yaml")).unwrap() else { panic!() };
+    let observations = simulated_of(&Board::AprilGrid(grid));
+    std::fs::write(folder.path().join("corners.vnl"), vnl(&observations)).unwrap();
+    let run = |name: &str, more: &[&str]| {
+        let name = file(name);
+        let arguments = ["corners.vnl", "--target", name.to_str().unwrap(), "--image", "1280x720", "--json"];
+        let output = calibrate(folder.path(), &[&arguments[..], more].concat());
+        let document = if output.status.success() { output.stdout } else { output.stderr };
+        (output.status.code(), serde_json::from_slice::<Value>(&document).unwrap())
+    };
+    let (code, found) = run("kalibr-aprilgrid.yaml", &[]);
+    assert_eq!(code, Some(0));
+    assert_recovers_the_camera(&found, 4.0);
+    // Those that leave something open name it, and what helps.
+    for (name, code, kind, parts) in [
+        ("opencv-charuco.json", 2, "command-line", ["does not tell how many squares", "--board"]),
+        ("kalibr-circlegrid.yaml", 2, "command-line", ["does not tell the diameter", "--problem"]),
+        ("nan.csv", 3, "target-file", ["nan.csv: line 4: `x_mm`", "finite"]),
+        ("none.yaml", 3, "target-file", ["cannot use the target", "none.yaml"]),
+    ] {
+        let (found, told) = run(name, &[]);
+        let message = told["message"].as_str().unwrap();
+        assert_eq!((found, &told["kind"]), (Some(code), &json!(kind)), "{message}");
+        assert!(parts.iter().all(|part| message.contains(part)), "{message}");
+    }
+    assert_eq!(run("points.csv", &["--board", "8x6", "--square-mm", "35"]).0, Some(2));
 }
 
 #[test]

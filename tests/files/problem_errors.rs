@@ -126,6 +126,16 @@ const WRONG: &[(&str, &str, &str)] = &[
         "columns = 8\nrows = 6\nsquare_mm = 20",
         "kind = \"points\"\npoints_mm = [[0, 0], [10], [10, 10], [0, 10]]",
     ),
+    (
+        "group_of_a_fraction",
+        "columns = 8\nrows = 6\nsquare_mm = 20",
+        "kind = \"points\"\npoints_mm = [[0, 0, 1.5], [10, 0], [10, 10], [0, 10]]",
+    ),
+    (
+        "negative_marker",
+        "square_mm = 20",
+        "kind = \"charuco\"\nsquare_mm = 20\nmarker_mm = -15\ndictionary = \"DICT_4X4_50\"",
+    ),
     ("markers_of_a_checkerboard", "margin_px = 5", "margin_px = 5\nmin_marker_px = 20"),
     (
         "target_file_that_is_none",

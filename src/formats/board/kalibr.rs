@@ -28,7 +28,7 @@ pub(super) fn read(root: &Node) -> Result<StatedBoard, ReadError> {
         }
         "aprilgrid" => {
             let sides = [count("tagCols", 1)? as usize, count("tagRows", 1)? as usize];
-            let spacing = root.require("", "tagSpacing")?.number(&"tagSpacing")?.between(&"tagSpacing", 1e-3, 1.0)?;
+            let spacing = root.require("", "tagSpacing")?.number(&"tagSpacing")?.between(&"tagSpacing", 0.01, 1.0)?;
             let grid = AprilGrid::new(sides, length("tagSize")?, spacing);
             Ok(StatedBoard::AprilGrid(grid.map_err(|error| refused(error, kind.line))?))
         }

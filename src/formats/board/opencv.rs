@@ -5,8 +5,8 @@ use crate::formats::error::{ReadError, ReadFault};
 use crate::formats::tree::Node;
 use crate::target::Dictionary;
 
-/// Lengths in m. `OpenCV` leaves the unit to the user; calipose reads m, as from its camera files, and a square of more than two
-/// metres stands for one in mm.
+/// Lengths in m. `OpenCV` leaves the unit to the user; calipose reads m, as from its camera files, and a square of more than
+/// two metres stands for one in mm.
 const LENGTHS: [f64; 2] = [1e-4, 2.0];
 
 pub(super) fn read(root: &Node) -> Result<StatedBoard, ReadError> {

@@ -13,7 +13,8 @@ pub(super) fn is_table(text: &str) -> bool {
     rows(text).next().is_some_and(|(_, header)| header.starts_with("x_mm"))
 }
 
-/// The points of a table: `x_mm,y_mm` and perhaps a whole number, the group, in every line after the header. `#` begins a comment.
+/// The points of a table: `x_mm,y_mm` and perhaps a whole number, the group, in every line after the header. `#` begins a
+/// comment.
 ///
 /// # Errors
 /// The first fault, with its line.

@@ -35,8 +35,8 @@ impl Artwork {
     /// What is printed of a board, its corners where [`Board::corner`] has them.
     ///
     /// # Errors
-    /// When the board is none, as a checkerboard of fewer than two or more than a thousand inner corners along a side or with squares of
-    /// no positive size, or known by its points alone.
+    /// When the board is none, as a checkerboard of fewer than two or more than a thousand inner corners along a side or with
+    /// squares of no positive size, or known by its points alone.
     pub fn new(board: &Board) -> Result<Self, PrintError> {
         match board {
             Board::Checkerboard(board) => Self::checkerboard(board),

@@ -2,8 +2,8 @@
 
 use super::{Rectangle, Shape};
 
-/// The modules of a marker of `side` mm whose lower left corner is at `[x, y]`, by rows from the top: as few rectangles as make up what
-/// is black when runs of a row are joined to equal ones of the next.
+/// The modules of a marker of `side` mm whose lower left corner is at `[x, y]`, by rows from the top: as few rectangles as make
+/// up what is black when runs of a row are joined to equal ones of the next.
 pub(super) fn modules(
     [x, y]: [f64; 2],
     side: f64,

@@ -173,6 +173,10 @@ impl Check<'_, '_> {
                     for number in point.elements() {
                         self.number(&number, LENGTH);
                     }
+                    if let Some(group) = point.elements().nth(2).filter(|group| group.value.fract() != 0.0) {
+                        let found = group.value.to_string();
+                        self.fault(&group.path, Reason::Type { found, expected: "a whole number".into() });
+                    }
                     listed.push(([x / 1e3, y / 1e3], point.value.get(2).map(|&group| group as i64)));
                 }
                 if !is_good(self) {

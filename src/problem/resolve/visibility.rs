@@ -27,6 +27,9 @@ const BESIDE_WINDOW: f64 = 3.0;
 /// goes astray below 1.4 of it on rendered pictures.
 const SPACING: f64 = 5.0;
 const WINDOWS: f64 = 1.5;
+/// Least distance in px of a marker's pattern beyond half the side of the detector's window: OpenCV's `CharucoDetector` takes
+/// smaller windows where it is nearer.
+const BESIDE_MARKER: f64 = 2.0;
 
 impl Check<'_, '_> {
     pub(super) fn visibility(
@@ -35,10 +38,17 @@ impl Check<'_, '_> {
         board: Option<&Board>,
         noise: NoiseModel,
     ) -> VisibilityLimits {
-        // Nearer to the border the detector's window is cut off, and in lower squares it reaches into the next ones.
+        // Nearer to the border the detector's window is cut off, and in lower squares it reaches into the next ones, or into
+        // the markers.
+        let beside_markers = |window: f64| {
+            let clear = board.and_then(Board::clear);
+            clear.map_or(0.0, |clear| (window + BESIDE_MARKER) / clear)
+        };
         let (margin, spacing) = match noise {
             NoiseModel::Constant => (MARGIN, SPACING),
-            NoiseModel::Edges { window } => (window + BESIDE_WINDOW, WINDOWS * window + 0.5),
+            NoiseModel::Edges { window } => {
+                (window + BESIDE_WINDOW, (WINDOWS * window + 0.5).max(beside_markers(window)))
+            }
         };
         // Of a board that is none as many as any has.
         let corners = board.map_or(MOST_CORNERS, Board::corner_count);

@@ -12,8 +12,8 @@ use super::value::{Choice, Named, Pose};
 pub(crate) struct Target {
     /// What is printed: a checkerboard when left out, or what `file` says.
     pub(crate) kind: Option<Named<TargetKind>>,
-    /// A file that describes the board, relative to the problem file: Kalibr's target in YAML, `OpenCV`'s `ChArUco` board in JSON, or for
-    /// `points` a CSV table with the header `x_mm,y_mm` or `x_mm,y_mm,group`.
+    /// A file that describes the board, relative to the problem file: Kalibr's target in YAML, `OpenCV`'s `ChArUco` board in
+    /// JSON, or for `points` a CSV table with the header `x_mm,y_mm` or `x_mm,y_mm,group`.
     pub(crate) file: Option<String>,
     /// Inner corners along x; of a `charuco` board squares, of an `aprilgrid` tags, of grids of circles the circles in a row.
     #[schemars(range(min = 1, max = 1000))]
@@ -27,15 +27,15 @@ pub(crate) struct Target {
     pub(crate) marker_mm: Option<f64>,
     /// Name that `OpenCV` has for the markers' dictionary, as `DICT_5X5_100`; for `charuco`.
     pub(crate) dictionary: Option<String>,
-    /// Whether the board is that of `OpenCV` before 4.6, as calib.io's are: with an even number of rows its upper left square is light;
-    /// for `charuco`.
+    /// Whether the board is that of `OpenCV` before 4.6, as calib.io's are: with an even number of rows its upper left square
+    /// is light; for `charuco`.
     pub(crate) legacy_pattern: Option<bool>,
     /// Side of a tag in mm, with its black border; for `aprilgrid`.
     pub(crate) tag_mm: Option<f64>,
     /// Space between tags as a share of their side, Kalibr's `tagSpacing`; for `aprilgrid`.
     pub(crate) tag_spacing: Option<f64>,
-    /// Distance in mm between the centres of neighbours in a row; for `circles` and `asymmetric-circles`, whose rows are half of that
-    /// apart.
+    /// Distance in mm between the centres of neighbours in a row; for `circles` and `asymmetric-circles`, whose rows are half
+    /// of that apart.
     pub(crate) spacing_mm: Option<f64>,
     /// Diameter of a circle in mm; for `circles` and `asymmetric-circles`.
     pub(crate) diameter_mm: Option<f64>,
