@@ -282,7 +282,7 @@ folder = "drawn"
     for name in own {
         write(&desk, "named.toml", &STUDY.replace("name = \"tilt\"", &format!("name = \"{name}\"")));
         let told = desk.complaint("study check named.toml", 3);
-        assert!(told.contains("given more than once"), "{told}");
+        assert!(told.contains("which is used already"), "{told}");
     }
 }
 
