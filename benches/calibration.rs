@@ -10,7 +10,7 @@ use calipose::verification::simulate;
 use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::Vector3;
 
-const BOARD: Board = Board { columns: 8, rows: 6, square: 0.035 };
+const BOARD: Board = Board::checkerboard(8, 6, 0.035);
 
 fn camera(lens: Lens) -> Camera {
     let coefficients: &[f64] = match lens {

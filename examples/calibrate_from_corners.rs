@@ -9,7 +9,7 @@ use calipose::formats::{CameraFormat, Known, read_detections_file};
 use calipose::target::Board;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let board = Board { columns: 8, rows: 6, square: 0.035 };
+    let board = Board::checkerboard(8, 6, 0.035);
     let known = Known { board: Some(board), image: Some([1280, 720]), images: None };
     let detections = read_detections_file(Path::new("problems/examples/servosila-corners.vnl"), &known)?;
     // The lens model, the image's size, and where what is not estimated is taken from.

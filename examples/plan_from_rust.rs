@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let problem = Problem::builder("arm on a rover")
         .urdf("problems/urdf/six-axis-rover.urdf", "camera_optical_frame")
         .camera(&Camera::new(Lens::Pinhole, 1280, 960, &[950.0, 950.0, 639.5, 479.5])?)
-        .board(Board { columns: 9, rows: 6, square: 0.03 }, Pose::translation(-0.22, 0.0, 0.12))
+        .board(Board::checkerboard(9, 6, 0.03), Pose::translation(-0.22, 0.0, 0.12))
         .board_link("chassis")
         .sample(200_000)
         .best(10, &[(Criterion::V, 1.0)])

@@ -109,7 +109,7 @@ mod tests {
     #[test]
     fn regions_without_corners_and_missing_tilts_are_found() {
         let camera = Camera::new(Lens::Pinhole, 1000, 500, &[800.0, 800.0, 499.5, 249.5]).unwrap();
-        let board = Board { columns: 3, rows: 2, square: 0.1 };
+        let board = Board::checkerboard(3, 2, 0.1);
         let at = |left: f64, top: f64| -> View {
             let pixel = |i: usize| Vector2::new(left + 150.0 * (i % 3) as f64, top + 100.0 * (i / 3) as f64);
             (0..6).map(|i| Corner { index: i, pixel: pixel(i), weight: 1.0 }).collect()
@@ -131,7 +131,7 @@ mod tests {
     fn what_the_lens_does_not_reach_is_not_missed() {
         let θ = [250.0, 250.0, 499.5, 499.5, -0.3, 0.0, 0.0, 0.0];
         let camera = Camera::new(Lens::KannalaBrandt, 1000, 1000, &θ).unwrap();
-        let board = Board { columns: 2, rows: 2, square: 0.1 };
+        let board = Board::checkerboard(2, 2, 0.1);
         let view = (0..4).map(|i| Corner {
             index: i,
             pixel: Vector2::new(450.0 + 90.0 * (i % 2) as f64, 450.0 + 90.0 * (i / 2) as f64),

@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 use thiserror::Error;
 
-use crate::target::Board;
+use crate::target::{Board, Checkerboard};
 
 /// Fewest corners that fix a view's homography.
 pub const FEWEST_CORNERS: usize = 4;
@@ -137,12 +137,13 @@ impl Observations {
     /// # Errors
     /// The first fault found, in the order of the views.
     pub fn new(board: Board, width: u32, height: u32, views: Vec<View>) -> Result<Self, ObservationError> {
-        let Board { columns, rows, square } = board;
-        if columns < 2 || rows < 2 {
-            return Err(ObservationError::BoardSize { columns, rows });
-        }
-        if !(square > 0.0 && square.is_finite()) {
-            return Err(ObservationError::SquareSize { square });
+        if let Board::Checkerboard(Checkerboard { columns, rows, square }) = board {
+            if columns < 2 || rows < 2 {
+                return Err(ObservationError::BoardSize { columns, rows });
+            }
+            if !(square > 0.0 && square.is_finite()) {
+                return Err(ObservationError::SquareSize { square });
+            }
         }
         if views.is_empty() {
             return Err(ObservationError::NoViews);
@@ -158,7 +159,7 @@ impl Observations {
             if view.len() < FEWEST_CORNERS {
                 return Err(ObservationError::TooFewCorners { view: i, found: view.len() });
             }
-            let on_board = view.iter().map(|c| board.corner(c.index % columns, c.index / columns).coords.xy());
+            let on_board = view.iter().map(|c| board.corner(c.index).coords.xy());
             if collinear(on_board) || collinear(view.iter().map(|c| c.pixel)) {
                 return Err(ObservationError::Collinear { view: i });
             }
@@ -193,7 +194,7 @@ impl Observations {
 
     /// Position in T, m, of a corner; z = 0.
     pub(super) fn on_board(&self, corner: &Corner) -> Vector2<f64> {
-        self.board.corner(corner.index % self.board.columns, corner.index / self.board.columns).coords.xy()
+        self.board.corner(corner.index).coords.xy()
     }
 }
 
@@ -234,7 +235,7 @@ fn collinear(points: impl ExactSizeIterator<Item = Vector2<f64>> + Clone) -> boo
 mod tests {
     use super::*;
 
-    const BOARD: Board = Board { columns: 4, rows: 3, square: 0.05 };
+    const BOARD: Board = Board::checkerboard(4, 3, 0.05);
 
     fn view() -> View {
         (0..12)
@@ -299,12 +300,12 @@ mod tests {
 
     #[test]
     fn boards_without_area_are_refused() {
-        let flat = Board { columns: 5, rows: 1, square: 0.05 };
+        let flat = Board::checkerboard(5, 1, 0.05);
         assert_eq!(
             Observations::new(flat, 640, 480, vec![view()]),
             Err(ObservationError::BoardSize { columns: 5, rows: 1 })
         );
-        let nothing = Board { square: 0.0, ..BOARD };
+        let nothing = Board::checkerboard(4, 3, 0.0);
         assert_eq!(
             Observations::new(nothing, 640, 480, vec![view()]),
             Err(ObservationError::SquareSize { square: 0.0 })

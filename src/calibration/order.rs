@@ -19,7 +19,7 @@ const APART: f64 = 8.0;
 /// How far the best homography misses a view's corners, as a share of their spread.
 struct Misfit {
     as_given: f64,
-    /// With the list read as that of a board of as many rows as this has columns.
+    /// With the list read as that of a board of as many rows as this has columns; infinite where the board is no grid.
     swapped: f64,
 }
 
@@ -34,7 +34,7 @@ pub(super) fn check(observations: &Observations) -> Result<(), CalibrationError>
     let views = |is: &dyn Fn(&Misfit) -> bool| -> Vec<usize> { (0..of).filter(|&view| is(&misfits[view])).collect() };
     let swapped = views(&|m| m.as_given > MISFIT && m.swapped < BETTER * m.as_given);
     if !swapped.is_empty() {
-        let (columns, rows) = (observations.board().columns, observations.board().rows);
+        let (columns, rows, _) = observations.board().grid().unwrap_or_default();
         return Err(CalibrationError::SwappedOrder { views: swapped, of, columns, rows });
     }
     let mut sorted: Vec<f64> = misfits.iter().map(|m| m.as_given).collect();
@@ -46,10 +46,12 @@ pub(super) fn check(observations: &Observations) -> Result<(), CalibrationError>
 
 fn misfit(observations: &Observations, view: &View) -> Misfit {
     let image: Vec<Vector2<f64>> = view.iter().map(|corner| corner.pixel).collect();
-    let rows = observations.board().rows;
     let given: Vec<_> = view.iter().map(|corner| observations.on_board(corner)).collect();
-    let swapped: Vec<_> = view.iter().map(|c| Vector2::new((c.index % rows) as f64, (c.index / rows) as f64)).collect();
-    Misfit { as_given: missed(&given, &image), swapped: missed(&swapped, &image) }
+    let swapped = observations.board().grid().map_or(f64::INFINITY, |(_, rows, _)| {
+        let in_order = |index: usize| Vector2::new((index % rows) as f64, (index / rows) as f64);
+        missed(&view.iter().map(|corner| in_order(corner.index)).collect::<Vec<_>>(), &image)
+    });
+    Misfit { as_given: missed(&given, &image), swapped }
 }
 
 /// Root mean square distance from the image points to the homography's, over the root mean square distance from their
@@ -72,7 +74,7 @@ mod tests {
     use crate::calibration::Corner;
     use crate::target::Board;
 
-    const BOARD: Board = Board { columns: 7, rows: 4, square: 0.03 };
+    const BOARD: Board = Board::checkerboard(7, 4, 0.03);
 
     /// A tilted board, the corner at column i and row j listed as `index(i, j)`.
     fn view(index: impl Fn(usize, usize) -> usize) -> View {

@@ -10,7 +10,7 @@ use crate::camera::Lens;
 use crate::spatial::Pose;
 use crate::target::Board;
 
-const BOARD: Board = Board { columns: 8, rows: 6, square: 0.035 };
+const BOARD: Board = Board::checkerboard(8, 6, 0.035);
 
 fn camera(lens: Lens) -> Camera {
     let coefficients: &[f64] = match lens {
@@ -103,7 +103,7 @@ fn the_gradient_vanishes_at_the_optimum() {
         views
             .flat_map(|(view, X)| view.iter().map(move |c| (c, X)))
             .map(|(c, X)| {
-                let p = BOARD.corner(c.index % 8, c.index / 8);
+                let p = BOARD.corner(c.index);
                 (camera.project(&(X * p)).unwrap() - c.pixel).norm_squared()
             })
             .sum()

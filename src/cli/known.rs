@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::output::failure::Failure;
-use crate::formats::{Detections, Known, read_detections_file};
+use crate::formats::{Detections, Known, StatedBoard, read_board_file, read_detections_file};
 use crate::problem::Problem;
 use crate::target::Board;
 
 #[derive(Debug, Args)]
 pub(crate) struct KnownArguments {
     /// Problem file that gives the board, image size, lens and intrinsics to estimate
-    #[arg(long, conflicts_with_all = ["board", "square", "image"])]
+    #[arg(long, conflicts_with_all = ["board", "square", "target", "image"])]
     problem: Option<PathBuf>,
     /// Inner corners of the board along x and y
     #[arg(long, value_name = "COLUMNSxROWS", value_parser = board_size, requires = "square")]
@@ -20,6 +20,9 @@ pub(crate) struct KnownArguments {
     /// Distance between neighbouring corners (side of a square), in mm
     #[arg(long = "square-mm", value_name = "MM", value_parser = length, requires = "board")]
     square: Option<f64>,
+    /// File of a board of another kind, in place of --board: Kalibr's target (YAML), or a table of its points in mm (CSV)
+    #[arg(long, value_name = "FILE", conflicts_with = "board")]
+    target: Option<PathBuf>,
     /// Size of the images in px
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = image_size)]
     image: Option<[u32; 2]>,
@@ -36,20 +39,38 @@ impl KnownArguments {
         let known = if let Some(problem) = &problem {
             known_by(problem, images)
         } else {
-            let board = self.board.zip(self.square).map(|([columns, rows], square)| Board {
-                columns: columns as usize,
-                rows: rows as usize,
-                square: square / 1e3,
-            });
+            let of_options = self
+                .board
+                .zip(self.square)
+                .map(|([columns, rows], square)| Board::checkerboard(columns as usize, rows as usize, square / 1e3));
+            let board = self.target.as_deref().map(board_of_file).transpose()?.or(of_options);
             Known { board, image: self.image, images }
         };
         Ok((problem, known))
     }
 }
 
+/// The board that the file at `path` describes, if it does so completely.
+fn board_of_file(path: &Path) -> Result<Board, Failure> {
+    let stated = read_board_file(path).map_err(|error| Failure::TargetFile { path: path.to_owned(), error })?;
+    let lacking =
+        |what: &str, instead: &str| Err(Failure::Usage(format!("{} does not tell {what}; {instead}", path.display())));
+    let grid = "give the grid of its corners by --board and --square-mm";
+    match stated {
+        StatedBoard::Checkerboard(board) => Ok(Board::Checkerboard(board)),
+        StatedBoard::AprilGrid(board) => Ok(Board::AprilGrid(board)),
+        StatedBoard::Points(board) => Ok(Board::Points(board)),
+        StatedBoard::Charuco { .. } => lacking("how many squares the board has", grid),
+        StatedBoard::Circles { is_asymmetric: false, .. } => lacking("the diameter of the circles", grid),
+        StatedBoard::Circles { .. } => {
+            lacking("the diameter of the circles", "list their centres in a table of points, or give --problem FILE")
+        }
+    }
+}
+
 /// What is known by a problem, of those images.
 pub(crate) fn known_by(Problem { camera, target, .. }: &Problem, images: Option<String>) -> Known {
-    Known { board: Some(target.board), image: Some([camera.width(), camera.height()]), images }
+    Known { board: Some(target.board.clone()), image: Some([camera.width(), camera.height()]), images }
 }
 
 /// The corners in the file at `path`.

@@ -126,7 +126,7 @@ mod tests {
     }
 
     fn corners() -> Vec<Point3<f64>> {
-        Board { columns: 8, rows: 6, square: 0.03 }.corners().collect()
+        Board::checkerboard(8, 6, 0.03).corners().collect()
     }
 
     /// The camera 0.5 m above the board's centre.

@@ -15,7 +15,7 @@ pub enum Rejection {
     BeyondLens,
     /// A corner is outside the image or in its margin.
     OutsideImage,
-    /// Neighbouring corners are too close together in the image.
+    /// Neighbouring corners are too close together in the image, or its markers too small.
     CornerSpacing,
     /// The centre of mass is not over the support polygon, or too near its edge.
     Unstable,

@@ -7,7 +7,7 @@ use nalgebra::{Point3, Vector3};
 use super::visibility::{VisibilityLimits, cos_tilt, square_height};
 use crate::camera::Camera;
 use crate::spatial::Pose;
-use crate::target::Board;
+use crate::target::{Board, Marker};
 
 /// Most corners looked at along each side of the board.
 const MOST_ALONG: usize = 8;
@@ -29,6 +29,8 @@ pub struct Measures {
     pub overhang: f64,
     /// Least height in px of a square in the image; infinite where none are projected.
     pub spacing: f64,
+    /// Greatest of the markers' least sides in px; infinite where there are none.
+    pub marker: f64,
 }
 
 /// A test of visibility.
@@ -44,7 +46,7 @@ pub enum VisibilityTest {
     Tilt,
     /// Its corners are in the image.
     Image,
-    /// Neighbouring corners are far enough apart.
+    /// Neighbouring corners are far enough apart, and markers large enough to be read.
     Spacing,
 }
 
@@ -68,27 +70,32 @@ pub struct Sighting<'a> {
     corners: Vec<Point3<f64>>,
     /// How many of them must be in the image.
     least: usize,
-    /// Corners with their neighbours along the row and the column, at the board's corners and in its middle.
+    /// Corners with two neighbours, at the board's corners and in its middle.
     squares: Vec<[Point3<f64>; 3]>,
+    markers: Vec<Marker>,
 }
 
 impl<'a> Sighting<'a> {
     /// Of `board` by `camera` within `limits`.
     pub fn new(camera: &'a Camera, board: &Board, limits: &'a VisibilityLimits) -> Self {
-        let (columns, rows) = (thinned(board.columns), thinned(board.rows));
-        let corners: Vec<_> =
-            rows.iter().flat_map(|&row| columns.iter().map(move |&column| board.corner(column, row))).collect();
+        let (columns, rows) = sides(board);
+        let index = |column: usize, row: usize| row * columns + column;
+        let corners: Vec<_> = thinned(rows)
+            .iter()
+            .flat_map(|&row| thinned(columns).into_iter().map(move |column| index(column, row)))
+            .map(|i| board.corner(i))
+            .collect();
         let share = limits.min_corners.map_or(1.0, |least| least as f64 / board.corner_count() as f64);
         let least = ((share * corners.len() as f64).round() as usize).clamp(1, corners.len());
         let mut squares = Vec::new();
-        for row in [0, board.rows / 2, board.rows - 1] {
-            for column in [0, board.columns / 2, board.columns - 1] {
-                let beside = if column > 0 { column - 1 } else { 1 };
-                let above = if row > 0 { row - 1 } else { 1 };
-                squares.push([board.corner(column, row), board.corner(beside, row), board.corner(column, above)]);
+        for row in [0, rows / 2, rows - 1] {
+            for column in [0, columns / 2, columns - 1] {
+                let corner = index(column, row);
+                let [beside, above] = board.neighbours(corner);
+                squares.push([corner, beside, above].map(|i| board.corner(i)));
             }
         }
-        Self { camera, limits, corners, least, squares }
+        Self { camera, limits, corners, least, squares, markers: board.markers() }
     }
 
     /// What the camera measures of the board at `X_CT`.
@@ -104,6 +111,12 @@ impl<'a> Sighting<'a> {
             let edge = |neighbour| pixel(neighbour).map(|neighbour| neighbour - corner);
             square_height(edge(beside), edge(above))
         };
+        let side = |marker: &Marker| {
+            let sides = marker.outline.iter().zip(marker.outline.iter().cycle().skip(1));
+            sides
+                .map(|(a, b)| Some((pixel(a)? - pixel(b)?).norm()))
+                .try_fold(f64::INFINITY, |least, side| Some(least.min(side?)))
+        };
         Measures {
             distance,
             incidence: arc_cosine(-normal.dot(&to_board) / distance),
@@ -111,12 +124,13 @@ impl<'a> Sighting<'a> {
             off_axis: arc_cosine(to_board.z / distance),
             overhang: overhangs[self.least - 1],
             spacing: self.squares.iter().filter_map(height).fold(f64::INFINITY, f64::min),
+            marker: self.markers.iter().filter_map(side).reduce(f64::max).unwrap_or(f64::INFINITY),
         }
     }
 
     /// By how much each test of [`VisibilityTest::ALL`] is missed: m, rad or px, not positive where it is passed.
     pub fn shortfalls(&self, measures: &Measures) -> [f64; VisibilityTest::ALL.len()] {
-        let Measures { distance, incidence, tilt, off_axis: _, overhang, spacing } = *measures;
+        let Measures { distance, incidence, tilt, off_axis: _, overhang, spacing, marker } = *measures;
         let limits = self.limits;
         [
             // In the board's plane nothing is seen either.
@@ -126,7 +140,11 @@ impl<'a> Sighting<'a> {
             if incidence < FRAC_PI_2 { incidence - limits.max_incidence } else { 0.0 },
             tilt - limits.max_tilt,
             overhang,
-            if spacing.is_finite() { limits.min_corner_spacing - spacing } else { 0.0 },
+            if spacing.is_finite() {
+                (limits.min_corner_spacing - spacing).max(limits.min_marker - marker)
+            } else {
+                0.0
+            },
         ]
     }
 
@@ -136,6 +154,16 @@ impl<'a> Sighting<'a> {
         let beyond = |x: f64, size: u32| (margin - x).max(x - (f64::from(size) - 1.0 - margin));
         beyond(pixel.x, self.camera.width()).max(beyond(pixel.y, self.camera.height()))
     }
+}
+
+/// Columns and rows of a board's corners; those of one that has no rows are taken for a square.
+fn sides(board: &Board) -> (usize, usize) {
+    let (count, columns) = (board.corner_count(), board.columns());
+    if columns < count {
+        return (columns, count / columns);
+    }
+    let side = count.isqrt();
+    (side, count / side)
 }
 
 /// At most [`MOST_ALONG`] of `count` indices, evenly and with both ends.
@@ -165,6 +193,7 @@ mod tests {
         max_distance: 1.0,
         min_corner_spacing: 10.0,
         min_corners: None,
+        min_marker: 0.0,
     };
 
     fn camera() -> Camera {
@@ -173,7 +202,7 @@ mod tests {
 
     #[test]
     fn every_shortfall_is_in_its_own_unit() {
-        let (camera, board) = (camera(), Board { columns: 11, rows: 9, square: 0.02 });
+        let (camera, board) = (camera(), Board::checkerboard(11, 9, 0.02));
         let sighting = Sighting::new(&camera, &board, &LIMITS);
         let seen = |X_TC: Pose| sighting.measures(&X_TC.inverse());
         // Straight from 0.5 m: 0.1 m to the side is 100 px off the centre, 215 px within the margin; neighbours are 20 px apart.
@@ -199,7 +228,7 @@ mod tests {
 
     #[test]
     fn of_a_board_that_may_be_read_in_part_the_nearest_corners_count() {
-        let (camera, board) = (camera(), Board { columns: 8, rows: 8, square: 0.02 });
+        let (camera, board) = (camera(), Board::checkerboard(8, 8, 0.02));
         let half = VisibilityLimits { min_corners: Some(32), ..LIMITS };
         let X_CT = Pose::translation(0.3, 0.0, 0.4);
         let whole = Sighting::new(&camera, &board, &LIMITS).measures(&X_CT).overhang;

@@ -12,7 +12,7 @@ use crate::camera::Camera;
 use crate::robot::Robot;
 use crate::spatial::Pose;
 use crate::sweep::JointSpace;
-use crate::target::{AxisCase, Board, Corners, Target};
+use crate::target::{AxisCase, Board, Corners, Marker, Target, told};
 
 /// A configuration that the robot can take and from which the camera sees the board.
 #[derive(Debug, Clone, PartialEq)]
@@ -81,6 +81,7 @@ pub struct Checks<'a> {
     occlusion: Occlusion,
     /// In T.
     corners: Vec<Point3<f64>>,
+    markers: Vec<Marker>,
 }
 
 impl<'a> Checks<'a> {
@@ -102,6 +103,7 @@ impl<'a> Checks<'a> {
             collision: Collision::new(robot, clearance),
             occlusion: Occlusion::new(&robot.tree, robot.camera_link),
             corners: target.board.corners().collect(),
+            markers: target.board.markers(),
         }
     }
 
@@ -122,7 +124,7 @@ impl<'a> Checks<'a> {
     pub fn view(&self, id: usize, q: Vec<f64>) -> Result<View, Rejection> {
         let X_BC = self.robot.camera_pose(&q);
         let X_CT = X_BC.inverse() * self.target.X_BT;
-        let mut seen = visible_corners(self.camera, self.target, self.visibility, &self.corners, &X_CT)?;
+        let mut seen = visible_corners(self.camera, self.target, self.visibility, &self.corners, &self.markers, &X_CT)?;
         let mut stability_margin = None;
         if self.stability.is_some() || self.has_bodies() {
             // In the root's frame, which stands on the ground; B is the frame of the link that carries the board.
@@ -149,13 +151,19 @@ impl<'a> Checks<'a> {
     /// Those of the corners that no link or obstacle hides, if they are enough.
     fn unhidden(&self, X_BL: &[Pose], X_BC: &Pose, seen: Corners) -> Result<Corners, Rejection> {
         let indices = seen.indices(self.corners.len());
-        let corners: Vec<Point3<f64>> = indices.iter().map(|&i| self.corners[i]).collect();
-        let hidden = self.occlusion.hidden(X_BL, X_BC, &self.target.X_BT, &corners);
-        if !hidden.contains(&true) {
+        let mut points: Vec<Point3<f64>> = indices.iter().map(|&i| self.corners[i]).collect();
+        points.extend(self.markers.iter().flat_map(|marker| marker.outline.iter().chain(&marker.inside)));
+        let mut hidden = self.occlusion.hidden(X_BL, X_BC, &self.target.X_BT, &points);
+        let mut markers = hidden.split_off(indices.len()).into_iter();
+        let is_told = told(&self.markers, self.corners.len(), |marker| {
+            !markers.by_ref().take(marker.outline.len() + marker.inside.len()).fold(false, |any, hidden| any | hidden)
+        });
+        let left: Vec<usize> =
+            indices.iter().zip(hidden).filter(|&(&i, hidden)| !hidden && is_told[i]).map(|(&i, _)| i).collect();
+        if left.len() == indices.len() {
             return Ok(seen);
         }
         let least = self.visibility.min_corners.ok_or(Rejection::Occluded)?;
-        let left = indices.into_iter().zip(hidden).filter(|(_, hidden)| !hidden).map(|(i, _)| i).collect();
         enough(self.target, least, left).ok_or(Rejection::Occluded)
     }
 }

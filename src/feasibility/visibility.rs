@@ -5,7 +5,7 @@ use nalgebra::{Point3, Vector2, Vector3};
 use super::rejection::Rejection;
 use crate::camera::Camera;
 use crate::spatial::Pose;
-use crate::target::{Board, Corners, Target};
+use crate::target::{Board, Corners, Marker, Target, told};
 
 /// What a view must satisfy.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,6 +24,8 @@ pub struct VisibilityLimits {
     pub min_corner_spacing: f64,
     /// Fewest corners that make a view, of a board that can be read in part; none where every corner must be seen.
     pub min_corners: Option<usize>,
+    /// Least side in px of a marker that can be read.
+    pub min_marker: f64,
 }
 
 /// Cosine of the angle between the optical axis and the board's inward normal.
@@ -31,13 +33,14 @@ pub(super) fn cos_tilt(X_CT: &Pose) -> f64 {
     -(X_CT.rotation * Vector3::z()).z
 }
 
-/// The corners whose images satisfy the limits, or the first reason that the board is not seen; `corners` are all of the
-/// board's, in T.
+/// The corners whose images satisfy the limits, or the first reason that the board is not seen; `corners` and `markers` are all
+/// of the board's, in T.
 pub(super) fn visible_corners(
     camera: &Camera,
     target: &Target,
     limits: &VisibilityLimits,
     corners: &[Point3<f64>],
+    markers: &[Marker],
     X_CT: &Pose,
 ) -> Result<Corners, Rejection> {
     let to_board = X_CT.translation.vector;
@@ -62,10 +65,19 @@ pub(super) fn visible_corners(
     };
     let Some(least) = limits.min_corners else {
         let pixels = corners.iter().map(pixel).collect::<Result<Vec<_>, Rejection>>()?;
+        if let Some(reason) = markers.iter().find_map(|marker| illegible(camera, limits, marker, X_CT)) {
+            return Err(reason);
+        }
         let crowded = is_crowded(&target.board, limits.min_corner_spacing, |i| pixels.get(i));
         return if crowded { Err(Rejection::CornerSpacing) } else { Ok(Corners::All) };
     };
-    let pixels: Vec<Result<Vector2<f64>, Rejection>> = corners.iter().map(pixel).collect();
+    let mut pixels: Vec<Result<Vector2<f64>, Rejection>> = corners.iter().map(pixel).collect();
+    for marker in markers {
+        let Some(reason) = illegible(camera, limits, marker, X_CT) else { continue };
+        for &corner in &marker.corners {
+            pixels[corner] = Err(reason);
+        }
+    }
     let seen = enough(target, least, (0..pixels.len()).filter(|&i| pixels[i].is_ok()).collect());
     let Some(seen) = seen else {
         return Err(pixels.into_iter().find_map(Result::err).unwrap_or(Rejection::OutsideImage));
@@ -77,6 +89,25 @@ pub(super) fn visible_corners(
     Ok(seen)
 }
 
+/// Why a marker cannot be read, however it is lit and whatever stands before it.
+fn illegible(camera: &Camera, limits: &VisibilityLimits, marker: &Marker, X_CT: &Pose) -> Option<Rejection> {
+    let pixels: Option<Vec<_>> = marker.outline.iter().map(|point| camera.project(&(X_CT * point))).collect();
+    let Some(pixels) = pixels else { return Some(Rejection::BeyondLens) };
+    if !pixels.iter().all(|pixel| camera.contains(pixel, 0.0)) {
+        return Some(Rejection::OutsideImage);
+    }
+    let next = pixels.iter().cycle().skip(1);
+    let is_small = limits.min_marker > 0.0 && pixels.iter().zip(next).any(|(a, b)| (a - b).norm() < limits.min_marker);
+    is_small.then_some(Rejection::CornerSpacing)
+}
+
+/// The corners of a board with `count` that are told from each other in a picture that `camera` takes from `X_CT`, as far as
+/// its `markers` are in it whole.
+pub fn told_in_image(camera: &Camera, markers: &[Marker], count: usize, X_CT: &Pose) -> Vec<bool> {
+    let is_in = |point: &Point3<f64>| camera.project(&(X_CT * point)).is_some_and(|pixel| camera.contains(&pixel, 0.0));
+    told(markers, count, |marker| marker.outline.iter().all(is_in))
+}
+
 /// The corners, if they are `least` or more and fix a homography.
 pub(super) fn enough(target: &Target, least: usize, corners: Vec<usize>) -> Option<Corners> {
     if corners.len() == target.board.corner_count() {
@@ -85,16 +116,14 @@ pub(super) fn enough(target: &Target, least: usize, corners: Vec<usize>) -> Opti
     (corners.len() >= least && target.board.fix_homography(&corners)).then_some(Corners::Some(corners))
 }
 
-/// Whether a square of a board, of those of its corners that `at` has an image of, is lower in the image than `least` (px).
+/// Whether the surroundings of a corner, of those that `at` has an image of, are lower in the image than `least` (px).
 fn is_crowded<'p>(board: &Board, least: f64, at: impl Fn(usize) -> Option<&'p Vector2<f64>>) -> bool {
-    let Board { columns, .. } = *board;
-    (0..board.corner_count()).any(|i| {
-        let Some(corner) = at(i) else { return false };
-        let beside = if i % columns > 0 { i - 1 } else { i + 1 };
-        let above = if i >= columns { i - columns } else { i + columns };
-        let edge = |j: usize| at(j).map(|neighbour| neighbour - corner);
-        square_height(edge(beside), edge(above)).is_some_and(|height| height < least)
-    })
+    least > 0.0
+        && (0..board.corner_count()).any(|i| {
+            let Some(corner) = at(i) else { return false };
+            let [beside, above] = board.neighbours(i).map(|j| at(j).map(|neighbour| neighbour - corner));
+            square_height(beside, above).is_some_and(|height| height < least)
+        })
 }
 
 /// The least height in px of the parallelogram that two edges of a square are in the image: how near to the next row or column its
@@ -115,9 +144,9 @@ mod tests {
 
     use super::*;
     use crate::camera::Lens;
-    use crate::target::Zone;
+    use crate::target::{AprilGrid, Charuco, Dictionary, Zone};
 
-    const BOARD: Board = Board { columns: 4, rows: 3, square: 0.03 };
+    const BOARD: Board = Board::checkerboard(4, 3, 0.03);
 
     /// No limits but those of geometry.
     const NONE: VisibilityLimits = VisibilityLimits {
@@ -128,14 +157,20 @@ mod tests {
         max_distance: 100.0,
         min_corner_spacing: 0.0,
         min_corners: None,
+        min_marker: 0.0,
     };
 
     /// What a pinhole camera of 640 × 480 px with a focal length of 500 px sees.
     fn seen(limits: &VisibilityLimits, X_CT: &Pose) -> Result<Corners, Rejection> {
+        seen_of(BOARD, limits, X_CT)
+    }
+
+    fn seen_of(board: Board, limits: &VisibilityLimits, X_CT: &Pose) -> Result<Corners, Rejection> {
         let camera = Camera::new(Lens::Pinhole, 640, 480, &[500.0, 500.0, 319.5, 239.5]).unwrap();
         let zone = Zone { width: 1.0, height: 1.0, edge_margin: 0.0 };
-        let target = Target { board: BOARD, X_BT: Pose::identity(), zone };
-        visible_corners(&camera, &target, limits, &BOARD.corners().collect::<Vec<_>>(), X_CT)
+        let (corners, markers): (Vec<_>, _) = (board.corners().collect(), board.markers());
+        let target = Target { board, X_BT: Pose::identity(), zone };
+        visible_corners(&camera, &target, limits, &corners, &markers, X_CT)
     }
 
     /// The board's centre at `p` in C, its printed side towards −z but turned by `r`.
@@ -243,5 +278,50 @@ mod tests {
         // Corners that are not seen have no neighbours: those in sight are 30 px apart whatever the lens does to the others.
         let limits = VisibilityLimits { min_corner_spacing: 29.0, ..part(9) };
         assert_eq!(seen(&limits, &aside).map(|seen| seen.indices(12).len()), Ok(9));
+    }
+
+    /// At 0.5 m a pixel is 1 mm, and the right border is 319.5 mm from the optical axis.
+    #[test]
+    fn corners_count_where_their_markers_are_read() {
+        let dictionary = Dictionary::named("DICT_4X4_50").unwrap();
+        let charuco = Charuco::new([5, 4], 0.04, 0.03, dictionary, false).unwrap();
+        let grid = AprilGrid::new([3, 2], 0.04, 0.25).unwrap();
+        let part = VisibilityLimits { min_corners: Some(4), ..NONE };
+        let corners = |of: Board, limits: &VisibilityLimits, x: f64| {
+            let count = of.corner_count();
+            seen_of(of, limits, &board([x, 0.0, 0.5], [0.0; 3])).map(|seen| seen.indices(count))
+        };
+        let columns = |kept: &dyn Fn(usize) -> bool, of: usize, count: usize| -> Vec<usize> {
+            (0..count).filter(|i| kept(i % of)).collect()
+        };
+        // The last column of squares has markers that end 95 mm from the middle, the last but one such that end at 55 mm.
+        let of = |x: f64| corners(Board::Charuco(charuco), &part, x);
+        assert_eq!(of(0.2244), Ok(columns(&|_| true, 4, 12)));
+        assert_eq!(
+            of(0.2246),
+            Ok(columns(&|column| column < 3, 4, 12)),
+            "the corners at 60 mm lost one of their markers"
+        );
+        assert_eq!(of(0.2644), Ok(columns(&|column| column < 3, 4, 12)));
+        assert_eq!(
+            of(0.2646),
+            Ok(columns(&|column| column < 2, 4, 12)),
+            "the corners at 20 mm are in sight all the same"
+        );
+        // Tags end at 70, 20 and −30 mm.
+        let of = |x: f64| corners(Board::AprilGrid(grid), &part, x);
+        assert_eq!(of(0.2494), Ok(columns(&|_| true, 6, 24)));
+        assert_eq!(of(0.2496), Ok(columns(&|column| column < 4, 6, 24)));
+        assert_eq!(of(0.2996), Ok(columns(&|column| column < 2, 6, 24)));
+        assert_eq!(of(0.3496), Err(Rejection::OutsideImage));
+        // Markers are 30 px wide, tags 40 px.
+        let small = |min_marker| VisibilityLimits { min_marker, ..part };
+        assert!(corners(Board::Charuco(charuco), &small(29.9), 0.0).is_ok());
+        assert_eq!(corners(Board::Charuco(charuco), &small(30.1), 0.0), Err(Rejection::CornerSpacing));
+        assert_eq!(corners(Board::AprilGrid(grid), &small(40.1), 0.0), Err(Rejection::CornerSpacing));
+        // Where all are asked for, all markers must be read.
+        let whole = VisibilityLimits { min_corners: None, ..part };
+        assert!(corners(Board::Charuco(charuco), &whole, 0.2244).is_ok());
+        assert_eq!(corners(Board::Charuco(charuco), &whole, 0.2246), Err(Rejection::OutsideImage));
     }
 }

@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use crate::calibration::ObservationError;
+use crate::target::BoardError;
 
 /// What is wrong with a file, and where.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -106,6 +107,22 @@ pub enum ReadFault {
         /// What to do.
         instead: &'static str,
     },
+    /// A file in which nothing belongs to a board.
+    #[error(
+        "there is no board in the file; supported are Kalibr's targets, OpenCV's ChArUco boards and tables of points"
+    )]
+    NoBoard,
+    /// What the file states is no board.
+    #[error(transparent)]
+    Board(BoardError),
+    /// Rows and columns of a checkerboard are apart unequally.
+    #[error("the rows are {rows} apart and the columns {columns}; only square squares are supported")]
+    NotSquare {
+        /// Distance of rows.
+        rows: String,
+        /// Distance of columns.
+        columns: String,
+    },
     /// A file in which nothing belongs to a camera.
     #[error("there is no camera in the file; supported are {read}")]
     NoCamera {
@@ -165,16 +182,16 @@ pub enum ReadFault {
         expected: usize,
     },
     /// An image does not have the board's corners.
-    #[error("image \"{view}\" has {found} corners up to this line; the {columns} x {rows} board has {}", columns * rows)]
+    #[error("image \"{view}\" has {found} corners up to this line; the {board} has {corners}")]
     CornerCount {
         /// The image.
         view: String,
         /// Corners listed.
         found: usize,
-        /// Corners along the board's x.
-        columns: usize,
-        /// Corners along the board's y.
-        rows: usize,
+        /// The board.
+        board: String,
+        /// Its corners.
+        corners: usize,
     },
     /// The format does not state something, and nobody else has.
     #[error("this format does not state the {what}; it must be given separately")]

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use super::board::{StatedBoard, read_board};
 use super::camera::{StatedCamera, read_camera};
 use super::detections::{Detections, Known, read_detections};
 use super::disk::{DiskError, text};
@@ -50,6 +51,14 @@ pub fn read_camera_file(path: &Path, stated: &StatedCamera) -> Result<Camera, Fi
     Ok(read_camera(&text(path)?, stated)?)
 }
 
+/// The board of the file at `path`; see [`read_board`].
+///
+/// # Errors
+/// When the file cannot be read or has no board.
+pub fn read_board_file(path: &Path) -> Result<StatedBoard, FileReadError> {
+    Ok(read_board(&text(path)?)?)
+}
+
 /// The detections of the file at `path`; see [`read_detections`].
 ///
 /// ```no_run
@@ -58,7 +67,7 @@ pub fn read_camera_file(path: &Path, stated: &StatedCamera) -> Result<Camera, Fi
 /// use calipose::formats::{Known, read_detections_file};
 /// use calipose::target::Board;
 ///
-/// let board = Board { columns: 8, rows: 6, square: 0.035 };
+/// let board = Board::checkerboard(8, 6, 0.035);
 /// let known = Known { board: Some(board), image: Some([1280, 720]), images: Some("*cam0*".into()) };
 /// let detections = read_detections_file(Path::new("corners.vnl"), &known)?;
 /// # Ok::<(), calipose::formats::FileReadError>(())

@@ -4,6 +4,9 @@
 //! |---|---|---|---|
 //! | mrcal's corners, vnl | `detections::vnl` | yes | |
 //! | calipose's own observations, JSON | `detections::observations` | yes | |
+//! | Kalibr's targets, YAML | `board::kalibr` | yes | |
+//! | OpenCV's ChArUco boards, JSON | `board::opencv` | yes | |
+//! | tables of points, CSV | `board::points` | yes | |
 //! | ROS `camera_info`, YAML | `camera::ros` | yes | yes |
 //! | OpenCV `FileStorage`, YAML and JSON | `camera::opencv` | yes | yes |
 //! | the same, XML | `camera::opencv_xml` | yes | |
@@ -15,6 +18,7 @@
 //! Each is a function from text to models or back. YAML holds JSON and, but for byte strings, the Python literals of mrcal: one
 //! parser reads them all and remembers the lines for [`ReadError`].
 
+mod board;
 mod camera;
 mod detections;
 mod disk;
@@ -27,13 +31,15 @@ mod tree;
 mod urdf;
 mod xml;
 
+pub use board::{StatedBoard, read_board, read_points};
 pub use camera::{CameraFormat, StatedCamera, WriteError, read_camera};
 pub use detections::{Detections, Known, read_detections};
 pub use disk::DiskError;
 pub(crate) use disk::read_at_most;
 pub use error::{ReadError, ReadFault};
 pub use file::{
-    FileReadError, outline_urdf_file, read_camera_file, read_detections_file, read_srdf_file, read_urdf_file,
+    FileReadError, outline_urdf_file, read_board_file, read_camera_file, read_detections_file, read_srdf_file,
+    read_urdf_file,
 };
 pub use mesh::{MeshError, read_mesh};
 pub use urdf::{

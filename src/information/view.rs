@@ -214,7 +214,7 @@ mod tests {
     fn information_equals_its_definition_by_finite_differences() {
         let θ = [1000.0, 990.0, 640.0, 360.0, -0.2, 0.05, 1e-3, -1e-3, 0.01];
         let camera = Camera::new(Lens::BrownConrady, 1280, 720, &θ).unwrap();
-        let board = Board { columns: 8, rows: 6, square: 0.035 };
+        let board = Board::checkerboard(8, 6, 0.035);
         let corners: Vec<_> = board.corners().collect();
         let X_CT = Pose::new(Vector3::new(0.05, -0.03, 0.6), Vector3::new(2.8, 0.2, -0.3));
         let estimated = [0, 1, 2, 3, 4, 5, 8];
@@ -261,7 +261,7 @@ mod tests {
         let camera = Camera::new(Lens::Pinhole, 1280, 720, &[1000.0, 1000.0, 639.5, 359.5]).unwrap();
         let X_CT = Pose::new(Vector3::new(0.05, -0.03, 0.6), Vector3::new(2.8, 0.2, -0.3));
         for (columns, rows, determined) in [(8, 2, true), (8, 1, false), (1, 6, false)] {
-            let board = Board { columns, rows, square: 0.035 };
+            let board = Board::checkerboard(columns, rows, 0.035);
             let unknowns = Unknowns { camera: &camera, estimated: &[0, 1] };
             let measurement = Measurement::new(unknowns, &board, NOISE);
             assert_eq!(measurement.information(&X_CT, &Corners::All).is_some(), determined, "{columns} × {rows}");
@@ -273,7 +273,7 @@ mod tests {
     fn a_long_lens_keeps_its_digits() {
         let θ = [20_000.0, 20_000.0, 640.0, 360.0, -0.2, 0.05, 1e-3, -1e-3, 0.01];
         let camera = Camera::new(Lens::BrownConrady, 1280, 720, &θ).unwrap();
-        let board = Board { columns: 8, rows: 6, square: 0.003 };
+        let board = Board::checkerboard(8, 6, 0.003);
         let corners: Vec<_> = board.corners().collect();
         let estimated = [0, 1, 2, 3, 4, 5, 6, 7, 8];
         let unknowns = Unknowns { camera: &camera, estimated: &estimated };

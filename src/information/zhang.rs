@@ -106,7 +106,7 @@ mod tests {
     #[ignore = "slow: in the full set, `cargo test -- --ignored`"]
     fn it_predicts_the_scatter_of_the_closed_form() {
         let camera = Camera::new(Lens::Pinhole, 1280, 720, &[1000.0, 1000.0, 639.5, 359.5]).unwrap();
-        let board = Board { columns: 8, rows: 6, square: 0.035 };
+        let board = Board::checkerboard(8, 6, 0.035);
         let corners: Vec<Point3<f64>> = board.corners().collect();
         let noise = 0.2;
         let unknowns = Unknowns { camera: &camera, estimated: &[0, 1, 2, 3] };

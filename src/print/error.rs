@@ -21,6 +21,9 @@ pub enum PrintError {
         /// Side of a square.
         square_mm: f64,
     },
+    /// Of the board nothing but its points is known.
+    #[error("a board of points cannot be drawn: the problem says where its points are, not what they look like")]
+    NoPattern,
     /// The margin is none.
     #[error("the margin of {margin} mm must be a number from 0 on")]
     Margin {

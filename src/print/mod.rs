@@ -11,8 +11,8 @@
 //! use calipose::print::{Artwork, Print, PrintSettings};
 //! use calipose::target::Board;
 //!
-//! let board = Board { columns: 8, rows: 6, square: 0.035 };
-//! let print = Print::new(&Artwork::checkerboard(&board)?, "my robot", &PrintSettings::default())?;
+//! let board = Board::checkerboard(8, 6, 0.035);
+//! let print = Print::new(&Artwork::new(&board)?, "my robot", &PrintSettings::default())?;
 //! assert_eq!(print.paper.to_string(), "A3 (420 × 297 mm)");
 //! let (pdf, svg) = (print.pdf(), print.svg());
 //! assert!(pdf.starts_with(b"%PDF") && svg[0].contains(r#"width="420mm" height="297mm""#));

@@ -131,7 +131,7 @@ mod tests {
     use crate::target::Board;
 
     fn print(paper: &str, tile: bool) -> Print {
-        let artwork = Artwork::checkerboard(&Board { columns: 8, rows: 6, square: 0.0357 }).unwrap();
+        let artwork = Artwork::new(&Board::checkerboard(8, 6, 0.0357)).unwrap();
         let settings = PrintSettings { paper: Some(paper.parse().unwrap()), tile, ..PrintSettings::default() };
         Print::new(&artwork, "Ärm (Ω)", &settings).unwrap()
     }

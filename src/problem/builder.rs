@@ -2,14 +2,14 @@
 
 use std::path::Path;
 
-use super::schema::{self, Named, NumberOrList, Numbers, RangeOrSets, TextOrTable};
+use super::schema::{self, Named, NumberOrList, Numbers, RangeOrSets, TargetKind, TextOrTable};
 use super::{Method, OverrideError, Overrides, Problem, ProblemError};
 use crate::camera::Camera;
 use crate::information::Criterion;
 use crate::robot::JointKind;
 use crate::robot::dh::{Convention, Row};
 use crate::spatial::Pose;
-use crate::target::Board;
+use crate::target::{Board, Checkerboard};
 
 /// States a problem without a file: the same defaults, the same checks, the same messages. Values are in metres, radians and
 /// pixels, as everywhere in the library; messages name the keys of the file and have its units.
@@ -28,7 +28,7 @@ use crate::target::Board;
 /// let problem = Problem::builder("table")
 ///     .urdf("problems/urdf/six-axis-rover.urdf", "camera_optical_frame")
 ///     .camera(&Camera::new(Lens::Pinhole, 1280, 720, &[900.0, 900.0, 640.0, 360.0])?)
-///     .board(Board { columns: 9, rows: 6, square: 0.025 }, Pose::translation(0.5, 0.0, 0.0))
+///     .board(Board::checkerboard(9, 6, 0.025), Pose::translation(0.5, 0.0, 0.0))
 ///     .sample(20_000)
 ///     .best(8, &[(Criterion::V, 1.0)])
 ///     .build()?;
@@ -117,8 +117,37 @@ impl ProblemBuilder {
     #[must_use]
     pub fn board(mut self, board: Board, X_BT: Pose) -> Self {
         let target = &mut self.file.target;
-        (target.columns, target.rows) = (saturating(board.columns), saturating(board.rows));
-        target.square_mm = mm(board.square);
+        match board {
+            Board::Checkerboard(Checkerboard { columns, rows, square }) => {
+                (target.columns, target.rows) = (Some(saturating(columns)), Some(saturating(rows)));
+                target.square_mm = Some(mm(square));
+            }
+            Board::Charuco(board) => {
+                target.kind = Some(Named(TargetKind::Charuco));
+                (target.columns, target.rows) = (Some(saturating(board.columns())), Some(saturating(board.rows())));
+                (target.square_mm, target.marker_mm) = (Some(mm(board.square())), Some(mm(board.marker())));
+                target.dictionary = Some(board.dictionary().name().to_owned());
+                target.legacy_pattern = Some(board.is_legacy());
+            }
+            Board::AprilGrid(board) => {
+                target.kind = Some(Named(TargetKind::AprilGrid));
+                (target.columns, target.rows) = (Some(saturating(board.columns())), Some(saturating(board.rows())));
+                (target.tag_mm, target.tag_spacing) = (Some(mm(board.tag())), Some(board.spacing()));
+            }
+            Board::Circles(board) => {
+                let kind = if board.is_asymmetric() { TargetKind::AsymmetricCircles } else { TargetKind::Circles };
+                target.kind = Some(Named(kind));
+                (target.columns, target.rows) = (Some(saturating(board.columns())), Some(saturating(board.rows())));
+                (target.spacing_mm, target.diameter_mm) = (Some(mm(board.spacing())), Some(mm(board.diameter())));
+            }
+            Board::Points(board) => {
+                target.kind = Some(Named(TargetKind::Points));
+                let listed = |([x, y], group): ([f64; 2], Option<i64>)| {
+                    [mm(x), mm(y)].into_iter().chain(group.map(|group| group as f64)).collect()
+                };
+                target.points_mm = board.listed().map(listed).collect();
+            }
+        }
         target.pose = pose(&X_BT);
         self
     }
@@ -259,7 +288,7 @@ mod tests {
             .joint(Row { kind: JointKind::Prismatic, ..row("slide", 0.0) })
             .camera(&camera.unwrap())
             .mount(&Pose::translation(0.01, 0.0, 0.02))
-            .board(Board { columns: 8, rows: 6, square: 0.02 }, Pose::translation(0.3, 0.0, -0.5))
+            .board(Board::checkerboard(8, 6, 0.02), Pose::translation(0.3, 0.0, -0.5))
             .grid(&[0.1], &[0.05])
             .noise(0.25)
     }

@@ -210,7 +210,7 @@ mod tests {
     use crate::robot::{Body, Link, Motion, Shape, Tree};
     use crate::target::{Board, viewpoint};
 
-    const BOARD: Board = Board { columns: 5, rows: 4, square: 0.03 };
+    const BOARD: Board = Board::checkerboard(5, 4, 0.03);
     const CLEAN: RenderSettings = RenderSettings { supersampling: 8, blur: 0.6, gradient: 0.0, noise: 0.0, seed: 0 };
 
     fn camera() -> Camera {
@@ -219,7 +219,7 @@ mod tests {
     }
 
     fn pattern() -> Pattern {
-        Pattern::new(&Artwork::checkerboard(&BOARD).unwrap())
+        Pattern::new(&Artwork::new(&BOARD).unwrap())
     }
 
     /// The corner near `near`: where the edges around it meet, to which all grey values' gradients are at right angles (as OpenCV's

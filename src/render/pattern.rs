@@ -86,7 +86,7 @@ mod tests {
 
     #[test]
     fn squares_are_black_and_white_in_turn() {
-        let pattern = Pattern::new(&Artwork::checkerboard(&Board { columns: 3, rows: 2, square: 0.02 }).unwrap());
+        let pattern = Pattern::new(&Artwork::new(&Board::checkerboard(3, 2, 0.02)).unwrap());
         // 4 x 3 squares; the centre of T is the corner in the middle of the second row's edge.
         let at = |i: i32, j: i32| pattern.is_black(f64::from(2 * i - 3) * 0.01, f64::from(j - 1) * 0.02);
         for (i, j) in (0..4).flat_map(|i| (0..3).map(move |j| (i, j))) {

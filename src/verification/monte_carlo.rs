@@ -295,7 +295,7 @@ mod tests {
     use crate::information::{Noise, NoiseModel};
     use crate::target::Corners;
 
-    const BOARD: Board = Board { columns: 8, rows: 6, square: 0.035 };
+    const BOARD: Board = Board::checkerboard(8, 6, 0.035);
 
     fn camera() -> Camera {
         let θ = [1000.0, 1000.0, 639.5, 479.5, -0.2, 0.05, 0.0, 0.0, 0.0];

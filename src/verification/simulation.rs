@@ -7,6 +7,7 @@ use rand_xoshiro::{SplitMix64, Xoshiro256PlusPlus};
 
 use crate::calibration::{Corner, FEWEST_CORNERS, ObservationError, Observations, View};
 use crate::camera::Camera;
+use crate::feasibility::told_in_image;
 use crate::information::{Noise, NoiseModel, Whitening};
 use crate::spatial::Pose;
 use crate::target::{Board, Corners};
@@ -29,17 +30,20 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Detects the corners of `board`: each coordinate with Gaussian noise, those outside the image or unlucky missing.
-    /// Views left with too few corners to calibrate from are missing too. The same `seed` gives the same noise.
+    /// Detects the corners of `board`: each coordinate with Gaussian noise, those outside the image, on markers that are not
+    /// whole in it, or unlucky missing. Views left with too few corners to calibrate from are missing too. The same `seed`
+    /// gives the same noise.
     ///
     /// # Errors
     /// [`ObservationError`] where no view is left, or one cannot be calibrated from for another reason.
     pub fn observe(&self, board: &Board, seed: u64) -> Result<Observations, ObservationError> {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
         let mut views: Vec<View> = Vec::with_capacity(self.poses.len());
+        let markers = board.markers();
         for ((X_CT, seen), sigma) in self.poses.iter().zip(&self.seen).zip(&self.sigma) {
+            let is_told = told_in_image(&self.camera, &markers, board.corner_count(), X_CT);
             let mut see = |(index, p_T): (usize, Point3<f64>)| {
-                if !seen.contains(index) {
+                if !(seen.contains(index) && is_told[index]) {
                     return None;
                 }
                 let pixel = self.camera.project(&(X_CT * p_T)).filter(|pixel| self.camera.contains(pixel, 0.0))?;
@@ -53,7 +57,7 @@ impl Scene {
             views.push(board.corners().enumerate().filter_map(&mut see).collect());
         }
         views.retain(|view| view.len() >= FEWEST_CORNERS);
-        Observations::new(*board, self.camera.width(), self.camera.height(), views)
+        Observations::new(board.clone(), self.camera.width(), self.camera.height(), views)
     }
 
     fn whitening(&self, board: &Board, index: usize, p_T: &Point3<f64>, X_CT: &Pose) -> Option<Whitening> {
@@ -100,7 +104,7 @@ mod tests {
     use super::*;
     use crate::camera::Lens;
 
-    const BOARD: Board = Board { columns: 20, rows: 20, square: 0.02 };
+    const BOARD: Board = Board::checkerboard(20, 20, 0.02);
 
     fn camera() -> Camera {
         Camera::new(Lens::Pinhole, 1000, 1000, &[1000.0, 1000.0, 499.5, 499.5]).unwrap()

@@ -5,8 +5,9 @@ use std::process::Output;
 
 use calipose::calibration::Observations;
 use calipose::camera::{Camera, Lens};
-use calipose::formats::{Known, StatedCamera, read_camera_file, read_detections};
+use calipose::formats::{Known, StatedBoard, StatedCamera, read_board_file, read_camera_file, read_detections};
 use calipose::information::{Noise, NoiseModel};
+use calipose::problem::Problem;
 use calipose::spatial::Pose;
 use calipose::target::Board;
 use calipose::verification::simulate;
@@ -15,7 +16,7 @@ use serde_json::{Value, json};
 
 use crate::desk::command;
 
-const BOARD: Board = Board { columns: 8, rows: 6, square: 0.035 };
+const BOARD: Board = Board::checkerboard(8, 6, 0.035);
 const OPTIONS: [&str; 6] = ["--board", "8x6", "--square-mm", "35", "--image", "1280x720"];
 const NOISE: f64 = 0.2;
 
@@ -26,18 +27,22 @@ fn camera() -> Camera {
 
 /// Twenty views, tilted differently; in some the board is partly outside the image.
 fn simulated() -> Observations {
+    simulated_of(&BOARD)
+}
+
+fn simulated_of(board: &Board) -> Observations {
     let pose = |i: usize| {
         let (turn, place) = (i as f64 * 2.4, i as f64 * 1.7);
         let rotation = Vector3::new(0.6 * turn.cos(), 0.6 * turn.sin(), 0.1 * place.sin());
         Pose::new(Vector3::new(0.18 * place.cos(), 0.11 * place.sin(), 0.5 + 0.01 * i as f64), rotation)
     };
     let poses: Vec<Pose> = (0..20).map(pose).collect();
-    simulate(&camera(), &BOARD, &poses, Noise { sigma: NOISE, model: NoiseModel::Constant }, 5).unwrap()
+    simulate(&camera(), board, &poses, Noise { sigma: NOISE, model: NoiseModel::Constant }, 5).unwrap()
 }
 
 /// Pixel of every corner of a view, if it was seen.
 fn grid(observations: &Observations, view: usize) -> Vec<Option<[f64; 2]>> {
-    let mut grid = vec![None; BOARD.corner_count()];
+    let mut grid = vec![None; observations.board().corner_count()];
     for corner in &observations.views()[view] {
         grid[corner.index] = Some(corner.pixel.into());
     }
@@ -116,6 +121,73 @@ fn vnl_and_json_give_the_camera_they_come_from() {
     assert_eq!(written, from_json);
 }
 
+/// In part or whole, by the numbers that the kinds of boards give their corners; of the grids some views lack what is on cut
+/// markers.
+#[test]
+fn boards_of_every_kind_give_the_camera() {
+    let folder = tempfile::tempdir().unwrap();
+    for keys in [
+        "kind = \"charuco\"\ncolumns = 9\nrows = 7\nsquare_mm = 35\nmarker_mm = 26\ndictionary = \"DICT_5X5_50\"",
+        "kind = \"aprilgrid\"\ncolumns = 6\nrows = 4\ntag_mm = 40\ntag_spacing = 0.3",
+        "kind = \"circles\"\ncolumns = 9\nrows = 7\nspacing_mm = 35\ndiameter_mm = 20",
+        "kind = \"asymmetric-circles\"\ncolumns = 5\nrows = 11\nspacing_mm = 50\ndiameter_mm = 20",
+        "kind = \"points\"\npoints_mm = [[0, 0, 1], [40, 3, 1], [38, 44, 1], [0, 90], [120, 10], [200, 0, 2], [200, 80, 2], [90, 140], \
+         [260, 150], [30, 170], [150, 80], [250, 20], [70, 60], [180, 160]]",
+    ] {
+        let problem = format!(
+            "[[robot.joints]]\nname = \"turn\"\nlimits_deg = [-90, 90]\n[camera]\nwidth_px = 1280\nheight_px = 720\nfx_px = 1000\n\
+             [camera.distortion]\nmodel = \"brown-conrady\"\n[target]\n{keys}\npose = {{ position_mm = [300, 0, 0] }}\n\
+             [sweep]\nstep_deg = 1\n[noise]\nmodel = \"constant\"\n"
+        );
+        std::fs::write(folder.path().join("problem.toml"), problem).unwrap();
+        let board = Problem::read(&folder.path().join("problem.toml")).unwrap().target.board;
+        let observations = simulated_of(&board);
+        assert!(observations.corner_count() < 20 * board.corner_count(), "{keys}: some corners are to be missing");
+        let mut document = document(&observations);
+        document.as_object_mut().unwrap().remove("board");
+        std::fs::write(folder.path().join("corners.json"), document.to_string()).unwrap();
+        let found = calibrated(folder.path(), &["corners.json", "--problem", "problem.toml"]);
+        assert_recovers_the_camera(&found, 4.0);
+        let listed = found["views"][0]["residuals"].as_array().unwrap().len();
+        assert_eq!(listed, observations.views()[0].len());
+    }
+    // Without the problem nothing says which board it is.
+    let output = calibrate(folder.path(), &["corners.json"]);
+    assert!(!output.status.success() && String::from_utf8_lossy(&output.stderr).contains("board"));
+}
+
+#[test]
+fn a_file_says_which_board_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| std::path::absolute(Path::new("tests/data/target-files").join(name)).unwrap();
+    let StatedBoard::AprilGrid(grid) = read_board_file(&file("kalibr-aprilgrid.yaml")).unwrap() else { panic!() };
+    let observations = simulated_of(&Board::AprilGrid(grid));
+    std::fs::write(folder.path().join("corners.vnl"), vnl(&observations)).unwrap();
+    let run = |name: &str, more: &[&str]| {
+        let name = file(name);
+        let arguments = ["corners.vnl", "--target", name.to_str().unwrap(), "--image", "1280x720", "--json"];
+        let output = calibrate(folder.path(), &[&arguments[..], more].concat());
+        let document = if output.status.success() { output.stdout } else { output.stderr };
+        (output.status.code(), serde_json::from_slice::<Value>(&document).unwrap())
+    };
+    let (code, found) = run("kalibr-aprilgrid.yaml", &[]);
+    assert_eq!(code, Some(0));
+    assert_recovers_the_camera(&found, 4.0);
+    // Those that leave something open name it, and what helps.
+    for (name, code, kind, parts) in [
+        ("opencv-charuco.json", 2, "command-line", ["does not tell how many squares", "--board"]),
+        ("kalibr-circlegrid.yaml", 2, "command-line", ["does not tell the diameter", "--problem"]),
+        ("nan.csv", 3, "target-file", ["nan.csv: line 4: `x_mm`", "finite"]),
+        ("none.yaml", 3, "target-file", ["cannot use the target", "none.yaml"]),
+    ] {
+        let (found, told) = run(name, &[]);
+        let message = told["message"].as_str().unwrap();
+        assert_eq!((found, &told["kind"]), (Some(code), &json!(kind)), "{message}");
+        assert!(parts.iter().all(|part| message.contains(part)), "{message}");
+    }
+    assert_eq!(run("points.csv", &["--board", "8x6", "--square-mm", "35"]).0, Some(2));
+}
+
 #[test]
 fn a_robust_loss_withstands_outliers_and_names_them() {
     let folder = tempfile::tempdir().unwrap();
@@ -151,7 +223,7 @@ fn a_problem_file_says_board_lens_and_what_to_estimate() {
     std::fs::write(folder.path().join("arm.toml"), &problem).unwrap();
     std::fs::write(folder.path().join("corners.vnl"), vnl(&simulated())).unwrap();
     let loaded = calipose::problem::Problem::parse(&problem, Path::new("arm.toml")).unwrap();
-    assert_eq!((loaded.camera.width(), loaded.camera.height(), loaded.target.board.rows), (1280, 720, 6));
+    assert_eq!((loaded.camera.width(), loaded.camera.height(), loaded.target.board.clone()), (1280, 720, BOARD));
     let found = calibrated(folder.path(), &["corners.vnl", "--problem", "arm.toml"]);
     assert_eq!(found["estimated"], json!(loaded.unknowns().names()));
     let both = calibrate(folder.path(), &["corners.vnl", "--problem", "arm.toml", "--lens", "none"]);
@@ -437,7 +509,7 @@ fn weights_are_read_and_levels_are_weights() {
     assert!(levels.views().iter().flatten().all(|corner| corner.weight == 0.5));
     assert!(read(&text).views().iter().flatten().all(|corner| corner.weight == 1.0));
     let file = std::fs::read_to_string("tests/data/corners/weights.vnl").unwrap();
-    let board = Board { columns: 9, rows: 6, square: 0.025 };
+    let board = Board::checkerboard(9, 6, 0.025);
     let known = Known { board: Some(board), image: Some([640, 480]), images: None };
     assert_eq!(read_detections(&file, &known).unwrap().names.len(), 25);
 }

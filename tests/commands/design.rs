@@ -41,6 +41,32 @@ fn desk() -> Desk {
 }
 
 #[test]
+fn the_kind_of_the_target_may_be_free() {
+    let desk = desk();
+    let charuco = |dictionary: &str| {
+        let keys = ["kind=charuco", "columns=9", "rows=7", "square_mm=35", "marker_mm=26"];
+        let keys: Vec<String> = keys.iter().map(|key| format!("target.{key}")).collect();
+        format!(
+            "{{ name = \"{dictionary}\", set = {:?} }}",
+            [keys, vec![format!("target.dictionary={dictionary}")]].concat()
+        )
+    };
+    let levels = ["DICT_4X4_50", "DICT_7X7_50"].map(charuco).join(", ");
+    let free = "[[free]]\nkey = \"camera.roll_deg\"\nrange = { from = 0, to = 135, step = 45 }";
+    assert!(DESIGN.contains(free));
+    let design = DESIGN.replace(free, &format!("[[free]]\nname = \"board\"\nlevels = [{levels}]"));
+    std::fs::write(desk.path("kinds.toml"), design).unwrap();
+    desk.stdout("design kinds.toml -o kinds --quiet");
+    let found: Value = serde_json::from_slice(&std::fs::read(desk.path("kinds/design.json")).unwrap()).unwrap();
+    let text = std::fs::read_to_string(desk.path("kinds/best.toml")).unwrap();
+    let dictionary = found["best"]["values"][0]["value"].as_str().unwrap();
+    let line = format!("dictionary = \"{dictionary}\"");
+    assert!(dictionary.starts_with("DICT_") && text.contains("kind = \"charuco\"") && text.contains(&line), "{text}");
+    let plan = desk.json("plan kinds/best.toml --trials 0 -o plan --json");
+    assert_eq!(plan["map_error_px"], found["best"]["map_error_px"]);
+}
+
+#[test]
 fn the_best_set_up_is_what_it_is_said_to_be() {
     let desk = desk();
     let told = desk.prose("design design.toml -o out");

@@ -141,8 +141,9 @@ fn observations(plan: &Value, problem: &Problem) -> Value {
         problem.robot.camera_pose(&q).inverse() * problem.target.X_BT
     };
     let poses: Vec<_> = plan["poses"].as_array().unwrap().iter().map(pose).collect();
-    let board = problem.target.board;
-    let seen = simulate(&problem.camera, &board, &poses, problem.noise, 4).unwrap();
+    let board = &problem.target.board;
+    let (columns, rows, square) = board.grid().unwrap();
+    let seen = simulate(&problem.camera, board, &poses, problem.noise, 4).unwrap();
     let views = seen.views().iter().enumerate().map(|(i, corners)| {
         let mut pixels = vec![Value::Null; board.corner_count()];
         for corner in corners {
@@ -155,7 +156,7 @@ fn observations(plan: &Value, problem: &Problem) -> Value {
     json!({
         "format": "calipose.observations",
         "version": 1,
-        "board": { "columns": board.columns, "rows": board.rows, "square_mm": board.square * 1e3 },
+        "board": { "columns": columns, "rows": rows, "square_mm": square * 1e3 },
         "image": { "width_px": problem.camera.width(), "height_px": problem.camera.height() },
         "views": views.collect::<Vec<_>>(),
     })

@@ -37,6 +37,7 @@ fn desk(views: usize) -> tempfile::TempDir {
         })
         .collect();
     let board = problem.target.board;
+    let (columns, rows, square) = board.grid().unwrap();
     let seen = simulate(&problem.camera, &board, &poses, problem.noise, 4).unwrap();
     let view = |(i, corners): (usize, &Vec<calipose::calibration::Corner>)| {
         let mut pixels = vec![Value::Null; board.corner_count()];
@@ -48,7 +49,7 @@ fn desk(views: usize) -> tempfile::TempDir {
     let document = json!({
         "format": "calipose.observations",
         "version": 1,
-        "board": { "columns": board.columns, "rows": board.rows, "square_mm": board.square * 1e3 },
+        "board": { "columns": columns, "rows": rows, "square_mm": square * 1e3 },
         "image": { "width_px": problem.camera.width(), "height_px": problem.camera.height() },
         "views": seen.views().iter().enumerate().map(view).collect::<Vec<_>>(),
     });

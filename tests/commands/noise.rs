@@ -11,7 +11,7 @@ use serde_json::Value;
 
 use crate::desk::command;
 
-const BOARD: Board = Board { columns: 8, rows: 6, square: 0.025 };
+const BOARD: Board = Board::checkerboard(8, 6, 0.025);
 const OPTIONS: [&str; 6] = ["--board", "8x6", "--square-mm", "25", "--image", "1280x720"];
 
 /// Pictures of scenes from square-on to steep, near and far, one file each.

@@ -3,6 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use calipose::plan::choose::Chooser;
+use calipose::plan::survey::survey;
+use calipose::problem::{Method, Overrides, Problem};
 use serde_json::Value;
 
 use crate::desk::Desk;
@@ -279,7 +282,43 @@ folder = "drawn"
     for name in own {
         write(&desk, "named.toml", &STUDY.replace("name = \"tilt\"", &format!("name = \"{name}\"")));
         let told = desk.complaint("study check named.toml", 3);
-        assert!(told.contains("given more than once"), "{told}");
+        assert!(told.contains("which is used already"), "{told}");
+    }
+}
+
+/// Keys are added to the file's target, or stand in the place of all of them.
+#[test]
+fn the_kind_of_the_target_is_a_factor() {
+    let desk = Desk::new();
+    let pose = "pose = { position_mm = [232.875, 72.75, -98] }";
+    let charuco = ["kind=charuco", "columns=9", "rows=7", "marker_mm=26", "dictionary=DICT_5X5_50"];
+    let charuco = charuco.map(|key| format!("target.{key}"));
+    let tags =
+        format!("target={{ kind = 'aprilgrid', columns = 5, rows = 4, tag_mm = 44, tag_spacing = 0.3, {pose} }}");
+    let circles =
+        format!("target={{ kind = 'circles', columns = 8, rows = 6, spacing_mm = 35, diameter_mm = 20, {pose} }}");
+    let levels =
+        [("checkerboard", vec![]), ("ChArUco", charuco.to_vec()), ("tags", vec![tags]), ("circles", vec![circles])];
+    let listed: Vec<String> =
+        levels.iter().map(|(name, set)| format!("{{ name = \"{name}\", set = {set:?} }}")).collect();
+    let study = format!(
+        "problems = [\"coarse.toml\"]\nset = [\"target.zone={{}}\"]\n[[factors]]\nname = \"board\"\nlevels = [{}]\n\
+         [choose]\nmethods = [\"greedy\"]\ncounts = [8]\n",
+        listed.join(", ")
+    );
+    write(&desk, "kinds.toml", &study);
+    desk.stdout("study run kinds.toml -o kinds --quiet");
+    let rows = rows(&desk.path("kinds/results.csv"));
+    assert_eq!(rows.len(), levels.len());
+    for (row, (name, set)) in rows.iter().zip(&levels) {
+        assert_eq!(row["board"], *name);
+        let overrides = set.iter().fold(Overrides::new(), |overrides, key| overrides.set(key).unwrap());
+        let overrides = overrides.set("target.zone={}").unwrap();
+        let problem = Problem::read_with(&desk.path("coarse.toml"), &overrides).unwrap();
+        let survey = survey(&problem, &|_| {}).unwrap();
+        assert_eq!(row["views"], survey.views.len().to_string(), "{name}");
+        let chosen = Chooser::new(&problem, &survey).unwrap().choose(Method::Greedy, 8, 0).unwrap();
+        assert_eq!(row["map_error_px"].parse::<f64>().unwrap(), chosen.map_error, "{name}");
     }
 }
 

@@ -3,9 +3,10 @@
     python tests/cross_check/board.py [CALIPOSE]
 
 Renders the PDF with PDFium and the SVG with resvg, lays the page on something dark, and lets OpenCV find the corners
-(findChessboardCornersSB). Asserts that they make a grid of the problem's squares, each within 0.05 mm of its place, without fitting a
-scale or a turn; that page and scale bar have the length they state; that the square at the lower left is black; and that the pages of a
-tiling, cut at their marks and put together, make the same grid. CALIPOSE is the program, built in release when left out. The packages are
+(findChessboardCornersSB, CharucoDetector, ArucoDetector, findCirclesGrid). Asserts that each is within 0.05 mm of its place, without fitting a
+scale or a turn, and has the number that the document gives it; that a ChArUco board is OpenCV's own picture of it; that page and scale bar
+have the length they state; that a checkerboard's square at the lower left is black; and that the pages of a tiling, cut at their marks and
+put together, make the same grid. CALIPOSE is the program, built in release when left out. The packages are
 PyPI's (in $CROSS_CHECK_VENV, or a temporary folder). Exits with 1 where anything is off.
 """
 
@@ -22,8 +23,20 @@ ROOT = Path(__file__).resolve().parents[2]
 PX_PER_MM = 10
 COARSER = 4
 WITHIN = 0.05  # mm
-# Problem file, options, and whether the pattern is spread over several pages.
+# Problem file, or the keys of a target, options, and whether the pattern is spread over several pages.
+CHARUCO = "--set target.kind=charuco --set target.columns=9 --set target.rows=7 --set target.marker_mm=26 --set target.dictionary="
+CIRCLES = "diameter_mm = 18\nspacing_mm = 40\n"
+APRILGRID = 'kind = "aprilgrid"\ncolumns = 4\nrows = 3\ntag_mm = 50\ntag_spacing = 0.3'
 CASES = [
+    ("servosila-engineer", CHARUCO + "DICT_5X5_50", False),
+    ("servosila-engineer", CHARUCO + "DICT_APRILTAG_36h11 --set target.rows=6", False),
+    ("servosila-engineer", CHARUCO + "DICT_4X4_100 --set target.rows=6 --set target.legacy_pattern=true", False),
+    ("servosila-engineer", CHARUCO + "DICT_ARUCO_ORIGINAL --page A4 --tile", True),
+    (APRILGRID, "", False),
+    (APRILGRID, "--page A4 --tile", True),
+    (CIRCLES + 'kind = "circles"\ncolumns = 5\nrows = 8', "", False),
+    # OpenCV mixes up asymmetric grids with an even number of rows.
+    (CIRCLES + 'kind = "asymmetric-circles"\ncolumns = 4\nrows = 11', "", False),
     ("servosila-engineer", "", False),
     ("servosila-engineer", "--page 376x280 --margin-mm 0", False),
     ("servosila-engineer", "--set target.square_mm=17.3 --page letter", False),
@@ -68,6 +81,76 @@ def grid_error(picture, px_per_mm, pattern):
     shade = lambda x, y: dark[tuple(np.round((mm[0, 0] + np.array([x, -y]) * square)[::-1] * px_per_mm).astype(int))]
     shades = [shade(-0.5, -0.5), shade(0.5, -0.5), shade(-0.5, 0.5), shade(columns - 0.5, -0.5)]
     return np.abs(off).max(), spacing, [int(level) for level in shades]
+
+
+def numbered(picture, px_per_mm, pattern):
+    """Numbers of the corners that OpenCV finds, and where, in px."""
+    kind = pattern["kind"]
+    if kind == "charuco":
+        detector = cv2.aruco.CharucoDetector(charuco(pattern))
+        corners, ids = detector.detectBoard(picture)[:2]
+        return ids.ravel(), corners.reshape(-1, 2)
+    if kind == "aprilgrid":
+        parameters = cv2.aruco.DetectorParameters()
+        parameters.markerBorderBits = 2
+        dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_APRILTAG_36h11)
+        corners, ids, _ = cv2.aruco.ArucoDetector(dictionary, parameters).detectMarkers(picture)
+        # AprilTag's tags are upside down in OpenCV, which begins at their upper left: at the lower right, clockwise.
+        columns = 2 * pattern["columns"]
+        first = [2 * (tag // pattern["columns"]) * columns + 2 * (tag % pattern["columns"]) for tag in ids.ravel()]
+        numbers = np.array([[base + 1, base, base + columns, base + columns + 1] for base in first]).ravel()
+        found = np.concatenate(corners).reshape(-1, 1, 2)
+        criteria = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 100, 1e-4)
+        return numbers, cv2.cornerSubPix(picture, found, (20, 20), (-1, -1), criteria).reshape(-1, 2)
+    flags = cv2.CALIB_CB_ASYMMETRIC_GRID if kind == "asymmetric-circles" else cv2.CALIB_CB_SYMMETRIC_GRID
+    parameters = cv2.SimpleBlobDetector_Params()
+    # Dark, and larger than the letters on the page.
+    parameters.minArea, parameters.maxArea, parameters.minDistBetweenBlobs = 500, 1e5, 20
+    parameters.filterByCircularity, parameters.minCircularity = True, 0.8
+    blobs = cv2.SimpleBlobDetector_create(parameters)
+    coarse = cv2.resize(picture, None, fx=1 / COARSER, fy=1 / COARSER, interpolation=cv2.INTER_AREA)
+    found, centres = cv2.findCirclesGrid(coarse, (pattern["columns"], pattern["rows"]), flags=flags, blobDetector=blobs)
+    assert found, "no grid of circles found"
+    centres = (centres.reshape(-1, 2) + 0.5) * COARSER - 0.5
+    # The grid looks the same from its other end, and the plain one mirrored too; OpenCV may begin there.
+    grid = centres.reshape(pattern["rows"], pattern["columns"], 2)
+    sign = 1 if kind == "asymmetric-circles" else -1
+    if grid[0, 0, 0] > grid[0, -1, 0]:
+        grid = grid[:, ::-1] if kind == "circles" else grid[::-1, ::-1]
+    if sign * (grid[-1, 0, 1] - grid[0, 0, 1]) < 0:
+        grid = grid[::-1]
+    return np.arange(len(centres)), grid.reshape(-1, 2)
+
+
+def charuco(pattern):
+    dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, pattern["dictionary"]))
+    board = cv2.aruco.CharucoBoard((pattern["columns"], pattern["rows"]), pattern["square_mm"], pattern["marker_mm"], dictionary)
+    board.setLegacyPattern(pattern["legacy_pattern"])
+    return board
+
+
+def check_numbered(what, whole, scale, pattern, wrong):
+    """Holds corners, found with their numbers, against the document's places; and a ChArUco board against OpenCV's picture."""
+    ids, found = numbered(whole, scale, pattern)
+    places = np.array(pattern["corners_mm"]) * [1, -1]
+    mm = (found.astype(float) + 0.5) / scale
+    off = mm - places[ids]
+    middle = off.mean(axis=0)
+    error = np.abs(off - middle).max()
+    print(f"{what}: {len(ids)} of {len(places)} corners found with their numbers, within {error:.4f} mm")
+    if sorted(ids) != list(range(len(places))) or error > WITHIN:
+        wrong.append(f"{what}: corners {sorted(ids)}, {error} mm off")
+    if pattern["kind"] == "charuco":
+        size = np.array(pattern["size_mm"])
+        begin = np.round((middle - size / 2) * scale).astype(int)
+        width, height = np.round(size * scale).astype(int)
+        drawn = whole[begin[1] : begin[1] + height, begin[0] : begin[0] + width]
+        opencv = charuco(pattern).generateImage((int(width), int(height)), marginSize=0)
+        # A pixel's rounding along every edge of a module.
+        differing = np.mean(np.abs(drawn.astype(float) - opencv) > 128)
+        print(f"{what}: {100 * differing:.2f} % of the pixels differ from OpenCV's picture")
+        if differing > 0.02:
+            wrong.append(f"{what}: {100 * differing:.1f} % of the pixels differ from OpenCV's picture")
 
 
 def parts(picture):
@@ -141,6 +224,11 @@ def check(what, pages, document, wrong):
         found = ticks(picture, scale, length)
         bars.append(np.abs(found - found[0] - np.arange(0, length + 1, 10)).max() if len(found) == length / 10 + 1 else np.inf)
     whole = pages[0][0] if document["tiles"] is None else assembled([page for page, _ in pages], document["tiles"], scale)
+    if pattern["kind"] != "checkerboard":
+        print(f"{what}: {len(pages)} page(s); ticks of the scale bar within {max(bars):.4f} mm")
+        if max(bars) > WITHIN:
+            wrong.append(f"{what}: the scale bar is {max(bars)} mm off")
+        return check_numbered(what, whole, scale, pattern, wrong)
     error, spacing, (black, white, other, last) = grid_error(whole, scale, pattern)
     print(
         f"{what}: {len(pages)} page(s); corners within {error:.4f} mm, spacing {spacing[0]:.4f} x {spacing[1]:.4f} mm, "
@@ -155,6 +243,15 @@ def check(what, pages, document, wrong):
         wrong.append(f"{what}: shades around corner 0 are {black}, {white}, {other}, {last}")
 
 
+def with_target(keys):
+    """The Servosila with another target."""
+    text = (ROOT / "problems/servosila-engineer.toml").read_text()
+    for line in ("columns = 8", "rows = 6", "square_mm = 35"):
+        assert f"\n{line}\n" in text
+        text = text.replace(f"\n{line}\n", "\n", 1)
+    return text.replace("[target]\n", f"[target]\n{keys}\n", 1)
+
+
 def main():
     if len(sys.argv) > 1:
         program = Path(sys.argv[1]).resolve()
@@ -164,12 +261,16 @@ def main():
     wrong = []
     for problem, options, is_tiled in CASES:
         with tempfile.TemporaryDirectory() as folder:
-            command = [program, "board", ROOT / f"problems/{problem}.toml", *options.split(), "--json"]
+            path = ROOT / f"problems/{problem}.toml"
+            if "=" in problem:
+                path = Path(folder) / "problem.toml"
+                path.write_text(with_target(problem))
+            command = [program, "board", path, *options.split(), "--json"]
             document = json.loads(subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True).stdout)
             assert (document["tiles"] is not None) == is_tiled, f"{problem} {options}: {document['tiles']}"
             files = [Path(folder) / file["file"] for file in document["files"]]
             pdf, svg = [[file for file in files if file.suffix == suffix] for suffix in (".pdf", ".svg")]
-            what = f"{problem} {options}".strip()
+            what = f"{' '.join(problem.split())} {options}".strip()
             check(f"{what}, pdf", list(from_pdf(pdf[0])), document, wrong)
             check(f"{what}, svg", [from_svg(file) for file in svg], document, wrong)
     for fault in wrong:

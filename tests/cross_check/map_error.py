@@ -92,9 +92,12 @@ class Camera:
 
 
 def corners(target):
+    """Of a checkerboard from the lower left, and of a ChArUco board, which counts squares, from the upper left."""
     columns, rows, square = target["columns"], target["rows"], target["square_mm"] / 1e3
+    is_charuco = target.get("kind") == "charuco"
+    columns, rows = (columns - 1, rows - 1) if is_charuco else (columns, rows)
     x = (np.arange(columns) - (columns - 1) / 2) * square
-    y = (np.arange(rows) - (rows - 1) / 2) * square
+    y = (np.arange(rows) - (rows - 1) / 2) * square * (-1 if is_charuco else 1)
     return np.array([[a, b, 0.0] for b in y for a in x])
 
 

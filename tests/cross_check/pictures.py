@@ -6,8 +6,9 @@
 `calipose render` makes the picture of every pose without noise; of a polished plan, which it does not take, NumPy does. From the plan's
 camera poses and its problem file the same is rendered here in NumPy: the lens, antialiasing, blur, a gradient of the light; around the
 corners both must have the same grey values, and cornerSubPix must find the same corners. OpenCV's two chessboard detectors must find
-every board. For every seed the sensor's noise is added, at two levels; cornerSubPix finds the corners, `cv2.calibrateCamera` and
-`calipose calibrate` the camera, from the corners alone. Printed are the corners' scatter and the true map error over the image's area
+every board. Of a ChArUco board NumPy draws nothing; OpenCV's CharucoDetector must find the corners that the plan counts on. For every seed
+the sensor's noise is added, at two levels; cornerSubPix finds the corners, of a ChArUco board those that CharucoDetector sees of them, and
+`cv2.calibrateCamera` and `calipose calibrate` the camera, from the corners alone. Printed are the corners' scatter and the true map error over the image's area
 after the best rotation, as a whole, and as scatter over the seeds and the systematic rest, beside what the plan predicts for so much
 noise; `calipose noise` must find the same scatter in the corners. With --scatter, views of one board between 0 and 70 degrees of tilt and squares of 8 to 60 px hold the scatter of cornerSubPix
 against the model of the noise. Exits with 1 where a prediction is off by more than 15 %, a board is not found, or the two renderers
@@ -33,6 +34,8 @@ AGREE = 0.15
 SAME_GREY, SAME_PX = 0.5, 0.02
 # How far the noise measured by `calipose noise` may be from NumPy's, as a share.
 SAME_SIGMA = 0.005
+# Share of the corners that a plan counts on which CharucoDetector must find.
+FOUND = 0.98
 
 # Grey values.
 BLACK, WHITE, AROUND = 40.0, 200.0, 110.0
@@ -209,26 +212,56 @@ def rendered(problem_path, plan_path):
     return [cv2.imread(str(folder / entry["file"]), cv2.IMREAD_GRAYSCALE) for entry in files]
 
 
+def charuco_detector(target):
+    dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, target["dictionary"]))
+    size = target["columns"], target["rows"]
+    board = cv2.aruco.CharucoBoard(size, target["square_mm"], target["marker_mm"], dictionary)
+    board.setLegacyPattern(target.get("legacy_pattern", False))
+    return cv2.aruco.CharucoDetector(board)
+
+
+def told(picture, detector):
+    """Numbers of the corners of a ChArUco board that are seen."""
+    ids = detector.detectBoard(picture)[1]
+    return np.array([], int) if ids is None else ids.ravel()
+
+
+def corners_in(picture, view):
+    """The corners that the plan counts on, as far as they are found; others are NaN."""
+    truth, low = STATE["truths"][view], STATE["parts"][view][1]
+    counted = STATE["counted"][view]
+    if is_charuco(STATE["views"].target):
+        counted = np.intersect1d(counted, told(picture, charuco_detector(STATE["views"].target)))
+    found = np.full(truth.shape, np.nan)
+    if len(counted):
+        found[counted] = detected(picture, truth[counted] - low) + low
+    return found
+
+
 def trial(seed):
     """The corners of all views, and the errors of both calibrations over the image."""
     views, noise = STATE["views"], STATE["noise"]
     rng = np.random.default_rng(seed)
-    seen = [detected(exposed(part, noise, rng), truth - low) + low for (part, low), truth in zip(STATE["parts"], STATE["truths"])]
-    board = [views.board.astype(np.float32)] * len(seen)
-    pixels = [corners.astype(np.float32).reshape(-1, 1, 2) for corners in seen]
+    seen = [corners_in(exposed(part, noise, rng), view) for view, (part, _) in enumerate(STATE["parts"])]
+    is_found = [np.isfinite(corners[:, 0]) for corners in seen]
+    board = [views.board[here].astype(np.float32) for here in is_found]
+    pixels = [corners[here].astype(np.float32).reshape(-1, 1, 2) for corners, here in zip(seen, is_found)]
     flags = STATE["flags"]
     _, K, D, *_ = cv2.calibrateCamera(board, pixels, views.camera.size, None, None, flags=flags)
     return np.array(seen), error_over_image(views.camera, K, D.ravel()), error_over_image(views.camera, *by_calipose(seen, seed))
 
 
+def listed(corners):
+    return [None if np.isnan(u) else [u, v] for u, v in corners.tolist()]
+
+
 def by_calipose(seen, seed):
-    folder, target, (width, height) = STATE["folder"], STATE["views"].target, STATE["views"].camera.size
+    folder, (width, height) = STATE["folder"], STATE["views"].camera.size
     observations = {
         "format": "calipose.observations",
         "version": 1,
-        "board": {key: target[key] for key in ("columns", "rows", "square_mm")},
         "image": {"width_px": width, "height_px": height},
-        "views": [{"name": f"{i}.png", "corners": corners.tolist()} for i, corners in enumerate(seen)],
+        "views": [{"name": f"{i}.png", "corners": listed(corners)} for i, corners in enumerate(seen)],
     }
     path = folder / f"{seed}.json"
     path.write_text(json.dumps(observations))
@@ -270,7 +303,8 @@ def same_noise(seen, constant, edges):
     files = []
     for view in range(seen.shape[1]):
         files.append(STATE["folder"] / f"scene-{view}.vnl")
-        lines = [f"{picture}.png {u} {v} 0" for picture, corners in enumerate(seen[:, view]) for u, v in corners]
+        lines = [f"{picture}.png - -" if np.isnan(u) else f"{picture}.png {u} {v} 0"
+                 for picture, corners in enumerate(seen[:, view]) for u, v in corners]
         files[-1].write_text("\n".join(["# filename x y level", *lines, ""]))
     run = [program(), "noise", *files, "--problem", STATE["problem"], "--json", "--quiet"]
     found = json.loads(subprocess.run(run, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, check=True).stdout)
@@ -279,6 +313,35 @@ def same_noise(seen, constant, edges):
     print(f"  calipose noise: {found['models'][0]['model']}, sigma off by {off:.1e}")
     # It takes the edges' directions from a homography of the corners, not from the camera.
     return off < SAME_SIGMA and found["models"][0]["model"] == "edges"
+
+
+def is_charuco(target):
+    return target.get("kind") == "charuco"
+
+
+def checkerboard_is_found(plan_path):
+    """Whether both renderers draw the same, and both of OpenCV's detectors find every board."""
+    poses, target = STATE["views"].poses, STATE["views"].target
+    grey, apart = np.max(share(compared, range(len(poses))), axis=0)
+    size = target["columns"], target["rows"]
+    found = [sum(bool(find(picture, size)[0]) for picture in STATE["pictures"]) for find in (cv2.findChessboardCorners, cv2.findChessboardCornersSB)]
+    print(f"{plan_path}: {len(poses)} poses; boards found by the classic detector {found[0]}, by sectors {found[1]}; "
+          f"calipose's pictures and NumPy's differ by {grey:.2f} grey values, {apart:.4f} px at the corners")
+    return min(found) == len(poses) and grey < SAME_GREY and apart < SAME_PX
+
+
+def charuco_is_found(plan_path):
+    """Whether OpenCV finds what the plan counts on, where it is."""
+    detector, counts, apart = charuco_detector(STATE["views"].target), np.zeros(3, int), []
+    for picture, truth, counted in zip(STATE["pictures"], STATE["truths"], STATE["counted"]):
+        ids = told(picture, detector)
+        both = np.intersect1d(counted, ids)
+        counts += len(counted), len(both), len(ids) - len(both)
+        apart.append(np.linalg.norm(detected(picture, truth[both]) - truth[both], axis=1).max())
+    of, found, more = counts
+    print(f"{plan_path}: {len(apart)} poses; {found} of the {of} corners that it counts on are found, and {more} others; "
+          f"cornerSubPix finds them within {max(apart):.3f} px")
+    return found >= FOUND * of
 
 
 def plan_on_pictures(problem_path, plan_path, seeds):
@@ -295,14 +358,17 @@ def plan_on_pictures(problem_path, plan_path, seeds):
     STATE.update(views=views, flags=flags, problem=problem_path)
     STATE["truths"] = [views.project(pose) for pose in poses]
     is_polished = plan["format"] == "calipose.polished"
+    if is_polished and is_charuco(target):
+        sys.exit(f"{plan_path}: a polished plan's pictures are drawn by NumPy, which draws checkerboards alone")
     STATE["pictures"] = share(by_numpy, range(len(poses))) if is_polished else rendered(problem_path, plan_path)
-    grey, apart = np.max(share(compared, range(len(poses))), axis=0)
-    STATE["parts"] = [around(picture, truth) for picture, truth in zip(STATE["pictures"], STATE["truths"])]
-    size = target["columns"], target["rows"]
-    found = [sum(bool(find(picture, size)[0]) for picture in STATE["pictures"]) for find in (cv2.findChessboardCorners, cv2.findChessboardCornersSB)]
-    print(f"{plan_path}: {len(poses)} poses; boards found by the classic detector {found[0]}, by sectors {found[1]}; "
-          f"calipose's pictures and NumPy's differ by {grey:.2f} grey values, {apart:.4f} px at the corners")
-    good = min(found) == len(poses) and grey < SAME_GREY and apart < SAME_PX
+    every = np.arange(len(views.board))
+    STATE["counted"] = [np.array(pose.get("corners_seen") or every) for pose in plan["poses"]]
+    if is_charuco(target):
+        STATE["parts"] = [(picture, np.zeros(2, int)) for picture in STATE["pictures"]]
+        good = charuco_is_found(plan_path)
+    else:
+        STATE["parts"] = [around(picture, truth) for picture, truth in zip(STATE["pictures"], STATE["truths"])]
+        good = checkerboard_is_found(plan_path)
     W = [whiteners(target, camera, views.board, cv2.Rodrigues(R)[0], t.reshape(3, 1), problem["noise"] | {"sigma_px": 1.0})
          for R, t in poses]
     stated = problem["noise"]["sigma_px"]
@@ -312,12 +378,16 @@ def plan_on_pictures(problem_path, plan_path, seeds):
         STATE["noise"] = noise
         seen, by_opencv, by_us = zip(*share(trial, range(seeds)))
         seen = np.array(seen)
-        deviations = seen - seen.mean(0)
-        freedoms = 2 * (seeds - 1) * seen.shape[1] * seen.shape[2]
-        sigma = np.sqrt((np.einsum("vjik,svjk->svji", np.array(W), deviations) ** 2).sum() / freedoms)
-        good &= same_noise(seen, np.sqrt((deviations**2).sum() / freedoms), sigma)
-        offset = np.sqrt(((seen.mean(0) - np.array(STATE["truths"])) ** 2).mean())
-        print(f"  {level}: corners scatter by {np.sqrt((deviations**2).sum() / freedoms):.3f} px (square-on {sigma:.3f}) and are off by {offset:.3f}")
+        times = np.isfinite(seen[..., 0]).sum(0)
+        seen[:, times < 2] = np.nan
+        mean = np.nansum(seen, axis=0) / np.maximum(times, 1)[..., None]
+        deviations = seen - mean
+        freedoms = 2 * (times[times > 1] - 1).sum()
+        sigma = np.sqrt(np.nansum(np.einsum("vjik,svjk->svji", np.array(W), deviations) ** 2) / freedoms)
+        constant = np.sqrt(np.nansum(deviations**2) / freedoms)
+        good &= same_noise(seen, constant, sigma)
+        offset = np.sqrt(((mean - np.array(STATE["truths"]))[times > 1] ** 2).mean())
+        print(f"  {level}: corners scatter by {constant:.3f} px (square-on {sigma:.3f}) and are off by {offset:.3f}")
         for name, errors, predicted in [("OpenCV", by_opencv, unweighted * sigma), ("calipose, weighted", by_us, weighted * sigma)]:
             total, scatter, systematic = parts(errors)
             good &= abs(scatter / predicted - 1) < AGREE

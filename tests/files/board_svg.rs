@@ -10,8 +10,8 @@ fn attribute(node: Node, name: &str) -> f64 {
 
 #[test]
 fn squares_stand_in_the_file_as_the_board_has_them() {
-    let board = Board { columns: 8, rows: 5, square: 0.0357 };
-    let artwork = Artwork::checkerboard(&board).unwrap();
+    let board = Board::checkerboard(8, 5, 0.0357);
+    let artwork = Artwork::new(&board).unwrap();
     let print = Print::new(&artwork, "R&D <1>", &PrintSettings::default()).unwrap();
     let text = &print.svg()[0];
     let file = Document::parse(text).unwrap();
@@ -30,7 +30,7 @@ fn squares_stand_in_the_file_as_the_board_has_them() {
     // Corner 0 is at the lower left: the first square's corner with the greatest x and the least y of the file.
     let [x0, y0] = [squares[0][0] + 35.7, squares[0][1]];
     for (index, corner) in board.corners().enumerate() {
-        let from_first = corner - board.corner(0, 0);
+        let from_first = corner - board.corner(0);
         let at = [x0 + from_first.x * 1e3, y0 - from_first.y * 1e3];
         let touching = squares.iter().filter(|[x, y, width, height]| {
             let is_near = |a: f64, b: f64| (a - b).abs() < 1e-5;
@@ -43,7 +43,7 @@ fn squares_stand_in_the_file_as_the_board_has_them() {
 
 #[test]
 fn windows_of_tiles_hide_the_rest() {
-    let artwork = Artwork::checkerboard(&Board { columns: 8, rows: 6, square: 0.04 }).unwrap();
+    let artwork = Artwork::new(&Board::checkerboard(8, 6, 0.04)).unwrap();
     let settings = PrintSettings { tile: true, paper: Paper::named("A4"), ..PrintSettings::default() };
     let print = Print::new(&artwork, "robot", &settings).unwrap();
     for (text, page) in print.svg().iter().zip(&print.pages) {

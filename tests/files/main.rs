@@ -10,6 +10,7 @@
     reason = "tests"
 )]
 
+mod board_formats;
 mod board_svg;
 mod camera_formats;
 mod problem_errors;

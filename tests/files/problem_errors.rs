@@ -73,6 +73,100 @@ const WRONG: &[(&str, &str, &str)] = &[
     ("unknown_mount", "[camera]", "[camera]\nmount = \"optical-axis-y\""),
     ("unknown_criterion", "count = 10", "criterion = \"x\""),
     ("unknown_method", "count = 10", "method = \"kmeans\""),
+    ("unknown_kind", "[target]\n", "[target]\nkind = \"charucco\"\n"),
+    ("key_of_another_kind", "square_mm = 20", "square_mm = 20\nmarker_mm = 15"),
+    (
+        "charuco_without_dictionary",
+        "columns = 8\nrows = 6\nsquare_mm = 20",
+        "kind = \"charuco\"\ncolumns = 9\nrows = 7\nsquare_mm = 20\nmarker_mm = 15",
+    ),
+    (
+        "unknown_dictionary",
+        "columns = 8\nrows = 6\nsquare_mm = 20",
+        "kind = \"charuco\"\ncolumns = 9\nrows = 7\nsquare_mm = 20\nmarker_mm = 15\ndictionary = \"DICT_5X5_60\"",
+    ),
+    (
+        "markers_larger_than_squares",
+        "columns = 8\nrows = 6\nsquare_mm = 20",
+        "kind = \"charuco\"\ncolumns = 9\nrows = 7\nsquare_mm = 20\nmarker_mm = 21\ndictionary = \"DICT_5X5_50\"",
+    ),
+    (
+        "more_markers_than_the_dictionary_has",
+        "columns = 8\nrows = 6\nsquare_mm = 20",
+        "kind = \"charuco\"\ncolumns = 9\nrows = 7\nsquare_mm = 20\nmarker_mm = 15\ndictionary = \"DICT_APRILTAG_16h5\"",
+    ),
+    (
+        "more_tags_than_there_are",
+        "columns = 8\nrows = 6\nsquare_mm = 20",
+        "kind = \"aprilgrid\"\ncolumns = 30\nrows = 20\ntag_mm = 5\ntag_spacing = 0.3",
+    ),
+    (
+        "tag_spacing_in_mm",
+        "columns = 8\nrows = 6\nsquare_mm = 20",
+        "kind = \"aprilgrid\"\ncolumns = 3\nrows = 2\ntag_mm = 30\ntag_spacing = 9",
+    ),
+    (
+        "circles_that_touch",
+        "columns = 8\nrows = 6\nsquare_mm = 20",
+        "kind = \"asymmetric-circles\"\ncolumns = 4\nrows = 5\nspacing_mm = 20\ndiameter_mm = 15",
+    ),
+    ("points_of_nothing", "columns = 8\nrows = 6\nsquare_mm = 20", "kind = \"points\""),
+    (
+        "points_twice",
+        "columns = 8\nrows = 6\nsquare_mm = 20",
+        "kind = \"points\"\npoints_mm = [[0, 0], [10, 0], [10, 10], [0, 10], [10, 0]]",
+    ),
+    (
+        "points_on_a_line",
+        "columns = 8\nrows = 6\nsquare_mm = 20",
+        "kind = \"points\"\npoints_mm = [[0, 0], [10, 0], [20, 0], [30, 0], [10, 10]]",
+    ),
+    (
+        "point_of_one_number",
+        "columns = 8\nrows = 6\nsquare_mm = 20",
+        "kind = \"points\"\npoints_mm = [[0, 0], [10], [10, 10], [0, 10]]",
+    ),
+    (
+        "group_of_a_fraction",
+        "columns = 8\nrows = 6\nsquare_mm = 20",
+        "kind = \"points\"\npoints_mm = [[0, 0, 1.5], [10, 0], [10, 10], [0, 10]]",
+    ),
+    (
+        "negative_marker",
+        "square_mm = 20",
+        "kind = \"charuco\"\nsquare_mm = 20\nmarker_mm = -15\ndictionary = \"DICT_4X4_50\"",
+    ),
+    ("markers_of_a_checkerboard", "margin_px = 5", "margin_px = 5\nmin_marker_px = 20"),
+    (
+        "target_file_that_is_none",
+        "columns = 8\nrows = 6\nsquare_mm = 20",
+        "file = \"tests/data/target-files/none.yaml\"",
+    ),
+    (
+        "target_file_of_a_camera",
+        "columns = 8\nrows = 6\nsquare_mm = 20",
+        "file = \"tests/data/camera-files/kalibr-camchain.yaml\"",
+    ),
+    (
+        "target_file_of_another_kind",
+        "columns = 8\nrows = 6\nsquare_mm = 20",
+        "kind = \"charuco\"\nfile = \"tests/data/target-files/kalibr-aprilgrid.yaml\"",
+    ),
+    (
+        "target_file_beside_its_keys",
+        "columns = 8\nrows = 6\nsquare_mm = 20",
+        "file = \"tests/data/target-files/kalibr-checkerboard.yaml\"\nsquare_mm = 20",
+    ),
+    (
+        "target_file_without_the_squares",
+        "columns = 8\nrows = 6\nsquare_mm = 20",
+        "file = \"tests/data/target-files/opencv-charuco.json\"",
+    ),
+    (
+        "target_file_with_nan",
+        "columns = 8\nrows = 6\nsquare_mm = 20",
+        "kind = \"points\"\nfile = \"tests/data/target-files/nan.csv\"",
+    ),
     ("missing_key", "fx_px = 500\n", ""),
     (
         "missing_section",

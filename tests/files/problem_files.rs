@@ -133,7 +133,7 @@ fn units_become_metres_and_radians() {
     let problem = Problem::read(Path::new("problems/servosila-engineer.toml")).unwrap();
     let joints = &problem.robot.chain.joints;
     assert_eq!(joints[0].limits.max, 137.3f64.to_radians());
-    assert_eq!(problem.target.board.square, 0.035);
+    assert_eq!(problem.target.board.grid().unwrap().2, 0.035);
     assert_eq!(problem.target.zone.width, 0.378_25);
     assert_eq!(problem.camera.intrinsics(), [1000.0, 1000.0, 639.5, 359.5, -0.2, 0.05, 0.0, 0.0, 0.0]);
     assert_eq!(problem.output, Path::new("plans/servosila-engineer"));

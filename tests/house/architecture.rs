@@ -29,7 +29,7 @@ const ORDER: [&str; 19] = [
 ];
 
 /// The files and rooms in a room; each may use those before it, and all may use the room's own `mod.rs`.
-const ROOMS: [(&str, &[&str]); 31] = [
+const ROOMS: [(&str, &[&str]); 33] = [
     (
         "selection",
         &[
@@ -50,10 +50,25 @@ const ROOMS: [(&str, &[&str]); 31] = [
     ("selection::function", &["soft_minimum", "curvature"]),
     ("selection::instance", &["constraints", "packing", "value"]),
     ("selection::search", &["node", "fewest"]),
+    (
+        "target",
+        &[
+            "error",
+            "feature",
+            "dictionary",
+            "layout",
+            "checkerboard",
+            "charuco",
+            "aprilgrid",
+            "circles",
+            "points",
+            "board",
+        ],
+    ),
     ("robot", &["joint", "tree", "chain", "dh", "mechanism", "turn", "inverse"]),
     ("render", &["bodies", "pattern"]),
     ("print", &["paper", "error", "artwork", "layout", "svg", "pdf"]),
-    ("print::artwork", &["text", "checkerboard"]),
+    ("print::artwork", &["text", "checkerboard", "modules", "charuco", "aprilgrid", "circles"]),
     ("print::layout", &["strip", "sheet", "tiles"]),
     (
         "feasibility",
@@ -97,8 +112,22 @@ const ROOMS: [(&str, &[&str]); 31] = [
     ),
     (
         "formats",
-        &["number", "error", "disk", "xml", "tree", "image_size", "mesh", "urdf", "camera", "detections", "file"],
+        &[
+            "number",
+            "error",
+            "disk",
+            "xml",
+            "tree",
+            "image_size",
+            "mesh",
+            "urdf",
+            "board",
+            "camera",
+            "detections",
+            "file",
+        ],
     ),
+    ("formats::board", &["kalibr", "opencv", "points"]),
     (
         "problem",
         &[

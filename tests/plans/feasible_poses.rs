@@ -4,15 +4,16 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::Command;
 
-use calipose::feasibility::{Rejection, View, feasible_views};
+use calipose::feasibility::{Occlusion, Rejection, View, feasible_views};
 use calipose::plan::assess::verify;
 use calipose::plan::choose::{Chooser, decide};
 use calipose::plan::document::{Document, Plan};
 use calipose::plan::survey::survey;
 use calipose::problem::{Goal, Method, Problem};
 use calipose::sweep::sweep;
-use calipose::target::Corners;
+use calipose::target::{Corners, Marker};
 use calipose::verification::{Disturbance, Weighing};
+use nalgebra::Point3;
 
 fn bodies() -> Problem {
     Problem::read(Path::new("problems/servosila-engineer-bodies.toml")).unwrap()
@@ -135,6 +136,39 @@ fn boards_read_in_part_keep_the_corners_that_are_seen() {
             let pixel = problem.camera.project(&(view.X_CT * corner));
             let inside = pixel.is_some_and(|pixel| problem.camera.contains(&pixel, problem.visibility.margin));
             assert!(inside || !view.seen.contains(i));
+        }
+    }
+}
+
+/// Each view of the ChArUco board anew, by the tests themselves.
+#[test]
+fn corners_of_boards_with_markers_count_where_both_of_theirs_are_read() {
+    let problem = Problem::read(Path::new("problems/servosila-engineer-charuco.toml")).unwrap();
+    let (views, _) = views(&problem);
+    let markers = problem.target.board.markers();
+    let occlusion = Occlusion::new(&problem.robot.tree, problem.robot.camera_link);
+    assert!(views.iter().any(|view| view.seen != Corners::All) && views.iter().any(|view| view.seen == Corners::All));
+    for view in views.iter().step_by(60) {
+        let X_BL = problem.robot.link_poses(&view.q);
+        let is_hidden =
+            |points: &[Point3<f64>]| occlusion.hidden(&X_BL, &view.X_BC, &problem.target.X_BT, points).contains(&true);
+        let pixel = |point: &Point3<f64>| problem.camera.project(&(view.X_CT * point));
+        let is_read = |marker: &Marker| {
+            let Some(pixels) = marker.outline.iter().map(pixel).collect::<Option<Vec<_>>>() else { return false };
+            let side = |i: usize| (pixels[i] - pixels[(i + 1) % 4]).norm();
+            pixels.iter().all(|pixel| problem.camera.contains(pixel, 0.0))
+                && (0..4).all(|i| side(i) >= problem.visibility.min_marker)
+                && !is_hidden(&marker.outline)
+                && !is_hidden(&marker.inside)
+        };
+        let read: Vec<bool> = markers.iter().map(is_read).collect();
+        for (i, corner) in problem.target.board.corners().enumerate() {
+            let of: Vec<bool> =
+                (0..markers.len()).filter(|&m| markers[m].corners.contains(&i)).map(|m| read[m]).collect();
+            assert_eq!(of.len(), 2);
+            let is_in = pixel(&corner).is_some_and(|pixel| problem.camera.contains(&pixel, problem.visibility.margin));
+            let counts = is_in && !is_hidden(&[corner]) && of == [true, true];
+            assert_eq!(view.seen.contains(i), counts, "view {}, corner {i}", view.id);
         }
     }
 }

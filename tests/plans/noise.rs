@@ -61,6 +61,15 @@ fn squares_are_as_high_as_the_detectors_window_needs() {
     assert_eq!(spacing(&[]), 8.0);
     assert_eq!(spacing(&["noise.window_px=11"]), 17.0);
     assert_eq!(spacing(&["noise.window_px=11", "visibility.min_corner_spacing_px=6"]), 6.0);
+    // Markers are 2 px beyond the window: those of a ChArUco board 4.5 mm aside and above the corners of squares of 35 mm; in
+    // tags of 0.3 times their side between them the bits begin behind a fifth.
+    let charuco = "target={ kind='charuco', columns=9, rows=7, square_mm=35, marker_mm=26, dictionary='DICT_5X5_50', pose={ position_mm=[500, 0, 0] } }";
+    assert!((spacing(&[charuco]) - 7.0 * 35.0 / (4.5 * 2f64.sqrt())).abs() < 1e-9);
+    assert_eq!(spacing(&[charuco, "noise.model=constant"]), 5.0);
+    let tags =
+        "target={ kind='aprilgrid', columns=6, rows=6, tag_mm=40, tag_spacing=0.3, pose={ position_mm=[500, 0, 0] } }";
+    assert_eq!(spacing(&[tags]), 8.0);
+    assert!((spacing(&[tags, "noise.window_px=3"]) - 5.0 * 0.3 / (0.2 * 2f64.sqrt())).abs() < 1e-9);
 }
 
 #[test]

@@ -22,11 +22,11 @@ fn main() {
         let integer = |value: &Value| u32::try_from(value.as_u64().unwrap()).unwrap();
         let lens = Lens::ALL.into_iter().find(|lens| lens.name() == set["lens"]).unwrap();
         let (width, height) = (integer(&set["image"][0]), integer(&set["image"][1]));
-        let board = Board {
-            columns: integer(&set["board"]["columns"]) as usize,
-            rows: integer(&set["board"]["rows"]) as usize,
-            square: set["board"]["square"].as_f64().unwrap(),
-        };
+        let board = Board::checkerboard(
+            integer(&set["board"]["columns"]) as usize,
+            integer(&set["board"]["rows"]) as usize,
+            set["board"]["square"].as_f64().unwrap(),
+        );
         let corner = |(index, pixel): (usize, &Value)| {
             let pixel = pixel.as_array()?;
             Some(Corner { index, pixel: Vector2::from_fn(|i, _| pixel[i].as_f64().unwrap() * unit), weight: 1.0 })
@@ -49,7 +49,7 @@ fn main() {
             let views = views.clone();
             let begin = Instant::now();
             // Checking the detections is part of it, as it is of OpenCV's.
-            let observations = Observations::new(board, width, height, views).unwrap();
+            let observations = Observations::new(board.clone(), width, height, views).unwrap();
             let found = calibrate(&observations, &nominal, &estimated, &settings).unwrap();
             seconds.push(begin.elapsed().as_secs_f64());
             last = Some(found);

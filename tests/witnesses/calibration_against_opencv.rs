@@ -34,11 +34,11 @@ fn count(value: &Value) -> usize {
 fn read(number: usize, set: &Value, unit: f64) -> Set {
     let lens = Lens::ALL.into_iter().find(|lens| lens.name() == set["lens"]).unwrap();
     let image = [0, 1].map(|i| u32::try_from(set["image"][i].as_u64().unwrap()).unwrap());
-    let board = Board {
-        columns: count(&set["board"]["columns"]),
-        rows: count(&set["board"]["rows"]),
-        square: set["board"]["square"].as_f64().unwrap(),
-    };
+    let board = Board::checkerboard(
+        count(&set["board"]["columns"]),
+        count(&set["board"]["rows"]),
+        set["board"]["square"].as_f64().unwrap(),
+    );
     let corner = |(index, pixel): (usize, &Value)| {
         // null where the corner was missed.
         let pixel = pixel.as_array()?;
@@ -134,7 +134,7 @@ struct Real {
 }
 
 fn corners(file: &str, image: [u32; 2]) -> Observations {
-    let board = Board { columns: 9, rows: 6, square: 0.025 };
+    let board = Board::checkerboard(9, 6, 0.025);
     let known = Known { board: Some(board), image: Some(image), images: None };
     read_detections_file(&Path::new("tests/data/corners").join(file), &known).unwrap().observations
 }

@@ -105,7 +105,7 @@ fn pixels_and_derivatives() {
 #[test]
 fn information_of_a_view() {
     let golden = golden();
-    let board = Board { columns: golden.columns, rows: golden.rows, square: golden.square_m };
+    let board = Board::checkerboard(golden.columns, golden.rows, golden.square_m);
     let noise = Noise { sigma: golden.sigma_px, model: NoiseModel::Constant };
     for (number, case) in golden.cases.iter().enumerate() {
         let camera = case.camera();

@@ -14,6 +14,7 @@ use crate::figures::trimmed;
 use crate::plan::document::{BoardDocument, PrintedFile};
 use crate::plan::results::write_together;
 use crate::print::{Artwork, MARK, Page, Paper, Print, PrintSettings};
+use crate::target::Board;
 
 #[derive(Debug, Args)]
 pub(crate) struct BoardArguments {
@@ -48,7 +49,7 @@ pub(crate) fn run(arguments: &BoardArguments, screen: &mut Screen) -> Result<(),
     let problem = arguments.problem.problem(&[])?;
     let Place { folder, stem, format } = arguments.place()?;
     let settings = PrintSettings { paper: arguments.page, margin: arguments.margin, tile: arguments.tile };
-    let artwork = Artwork::checkerboard(&problem.target.board)?;
+    let artwork = Artwork::new(&problem.target.board)?;
     let print = Print::new(&artwork, &problem.name, &settings)?;
     let files = files(&print, &stem, format);
     for (file, _) in &files {
@@ -64,7 +65,7 @@ pub(crate) fn run(arguments: &BoardArguments, screen: &mut Screen) -> Result<(),
     let files: Vec<PrintedFile> =
         files.into_iter().map(|(file, _)| PrintedFile { file: folder.join(file.file), ..file }).collect();
     screen.document(&BoardDocument::new(&problem, &artwork, &print, &files))?;
-    screen.text(&text(&problem.name, &artwork, &print, &files, arguments))
+    screen.text(&text(&problem.name, &problem.target.board, &artwork, &print, &files, arguments))
 }
 
 /// Where files go, what their names begin with, and which are written.
@@ -141,7 +142,26 @@ fn place_of(page: &Page) -> Option<(usize, usize)> {
     page.tile.map(|tile| (tile.row, tile.column))
 }
 
-fn text(name: &str, artwork: &Artwork, print: &Print, files: &[PrintedFile], arguments: &BoardArguments) -> String {
+/// Which corner has the number 0.
+fn first_corner(board: &Board) -> &'static str {
+    match board {
+        Board::Checkerboard(_) => "corner 0 is the lower left inner corner.",
+        Board::Charuco(_) => "corner 0 is the upper left inner corner, as in OpenCV.",
+        Board::AprilGrid(_) => "corner 0 is the lower left corner of the lower left tag, as in Kalibr.",
+        Board::Circles(board) if board.is_asymmetric() => "corner 0 is the upper left circle, as in OpenCV.",
+        Board::Circles(_) => "corner 0 is the lower left circle.",
+        Board::Points(_) => "corner 0 is the first point.",
+    }
+}
+
+fn text(
+    name: &str,
+    board: &Board,
+    artwork: &Artwork,
+    print: &Print,
+    files: &[PrintedFile],
+    arguments: &BoardArguments,
+) -> String {
     let [width, height] = artwork.size.map(|side| trimmed(side, 4));
     let pages = print.tiling.map_or(String::new(), |tiling| {
         format!("{} pages ({} × {}) of ", print.pages.len(), tiling.columns, tiling.rows)
@@ -159,7 +179,8 @@ fn text(name: &str, artwork: &Artwork, print: &Print, files: &[PrintedFile], arg
     if print.tiling.is_some() {
         text += " Cut the pages at their marks and join them edge to edge.";
     }
-    text += "\nSeen from the front, x points to the right and y up; corner 0 is the lower left inner corner.";
+    text += "\nSeen from the front, x points to the right and y up; ";
+    text += first_corner(board);
     if arguments.page.is_none() && print.paper.name.is_none() {
         text += "\nNo page up to A0 is large enough: this one is made to measure. `--tile` spreads the pattern over A4 pages.";
     }

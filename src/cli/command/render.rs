@@ -48,7 +48,7 @@ pub(crate) fn run(arguments: &RenderArguments, screen: &mut Screen) -> Result<()
     let beside = path.parent().unwrap_or(Path::new("")).join("pictures");
     let folder = arguments.output.clone().unwrap_or(beside);
     probe(&folder)?;
-    let pattern = Pattern::new(&Artwork::checkerboard(&problem.target.board)?);
+    let pattern = Pattern::new(&Artwork::new(&problem.target.board)?);
     let bar = screen.progress("rendering", plan.poses.len());
     let mut files = Vec::with_capacity(plan.poses.len());
     let mut listed = Vec::with_capacity(plan.poses.len());

@@ -37,6 +37,8 @@ pub(crate) enum Failure {
     #[error("{}: {error}", path.display())]
     #[diagnostic(help("{}", observations_help(error)))]
     Observations { path: PathBuf, error: FileReadError },
+    #[error("cannot use the target {}: {error}", path.display())]
+    TargetFile { path: PathBuf, error: FileReadError },
     #[error("{}: {error}", path.display())]
     #[diagnostic(help("{}", calibration_help(error, names, *fits)))]
     Calibration {
@@ -144,6 +146,7 @@ impl Failure {
             | Failure::Store(StoreError::File(_))
             | Failure::Run(_) => "cannot-write",
             Failure::Observations { .. } | Failure::Scatter(_) => "observations",
+            Failure::TargetFile { .. } => "target-file",
             Failure::Calibration { .. } => "no-calibration",
             Failure::PlanFile { .. } => "plan-file",
             Failure::Document { .. } | Failure::Report(_) => "document",
@@ -192,6 +195,7 @@ impl Failure {
             | Failure::PlanFile { .. }
             | Failure::Document { .. }
             | Failure::Mixed { .. }
+            | Failure::TargetFile { .. }
             | Failure::Observations { .. } => 3,
             _ => 1,
         }
@@ -345,6 +349,7 @@ fn print_help(error: &PrintError) -> String {
         PrintError::TooLarge { .. } => "spread it over several pages with --tile".into(),
         PrintError::Margin { .. } => "give the border that the printer leaves white".into(),
         PrintError::Board { .. } => "correct `target` in the problem file".into(),
+        PrintError::NoPattern => "print it with the program that its points are from".into(),
     }
 }
 
@@ -361,10 +366,10 @@ fn observations_help(error: &FileReadError) -> &'static str {
         return "give a file of detected corners: mrcal's vnl, or calipose's JSON";
     };
     match fault {
-        ReadFault::NotStated { what: "board" } => "give --board 8x6 --square-mm 35, or --problem FILE",
+        ReadFault::NotStated { what: "board" } => "give --board 8x6 --square-mm 35, --target FILE or --problem FILE",
         ReadFault::NotStated { .. } => "give --image 1280x720, or --problem FILE",
         ReadFault::CornerCount { .. } => {
-            "columns and rows count the board's inner corners; list undetected ones too, as - or null"
+            "list every corner of the board, undetected ones as - or null; columns and rows of a checkerboard count its inner corners"
         }
         ReadFault::Cameras { .. } => {
             "choose the images of one camera with --images, as in --images '*cam0*'; '*' takes all"

@@ -18,12 +18,13 @@ pub struct Known {
 impl Known {
     /// The board that is known and `found`, on `line` of the file.
     pub(super) fn board(&self, found: Option<Board>, line: usize) -> Result<Board, ReadError> {
-        match (found, self.board) {
-            (Some(found), Some(given)) if !same(&found, &given) => {
-                let [found, given] = [found, given].map(|board| text(&board));
+        match (found, &self.board) {
+            (Some(found), Some(given)) if !same(&found, given) => {
+                let [found, given] = [&found, given].map(text);
                 Err(ReadFault::Mismatch { what: "board", found, given }.at(line))
             }
-            (Some(board), _) | (None, Some(board)) => Ok(board),
+            (Some(found), None | Some(Board::Checkerboard(_))) => Ok(found),
+            (_, Some(given)) => Ok(given.clone()),
             (None, None) => Err(ReadFault::NotStated { what: "board" }.at(line)),
         }
     }
@@ -34,11 +35,14 @@ impl Known {
     }
 }
 
+/// Whether two boards have the same grid of corners.
 fn same(a: &Board, b: &Board) -> bool {
+    let (Some((columns, rows, square)), Some(other)) = (a.grid(), b.grid()) else { return a == b };
     // mm to m and back rounds.
-    (a.columns, a.rows) == (b.columns, b.rows) && (a.square / b.square - 1.0).abs() < 1e-9
+    (columns, rows) == (other.0, other.1) && (square / other.2 - 1.0).abs() < 1e-9
 }
 
 fn text(board: &Board) -> String {
-    format!("{} x {} of {} mm", board.columns, board.rows, (board.square * 1e9).round() / 1e6)
+    let Some((columns, rows, square)) = board.grid() else { return board.to_string() };
+    format!("{columns} x {rows} of {} mm", (square * 1e9).round() / 1e6)
 }

@@ -32,7 +32,7 @@ pub struct Detections {
 /// use calipose::formats::{Known, read_detections};
 /// use calipose::target::Board;
 ///
-/// let board = Board { columns: 2, rows: 2, square: 0.03 };
+/// let board = Board::checkerboard(2, 2, 0.03);
 /// let text = "# filename x y level\na.png 100 100 0\na.png 200 101 0\na.png 99 201 1\na.png 201 202 0\nb.png - - -\n";
 /// let known = Known { board: Some(board), image: Some([640, 480]), images: None };
 /// let detections = read_detections(text, &known)?;

@@ -23,22 +23,30 @@ pub(super) fn read(text: &str, known: &Known) -> Result<ListedImages, ReadError>
         return Err(ReadFault::Unsupported { key, found, supported: FORMAT }.at(format.line));
     }
     root.require("", "version")?.count(&"version", 1, 1)?;
-    let stated = root.require("", "board")?;
-    let side = |key: &str| stated.require("board.", key)?.count(&format_args!("board.{key}"), 2, MOST_CORNERS);
-    let (columns, rows) = (side("columns")? as usize, side("rows")? as usize);
-    let key = "board.square_mm";
-    let square = stated.require("board.", "square_mm")?.number(&key)?.between(&key, 1e-3, 1e6)? / 1e3;
-    let board = Board { columns, rows, square };
+    let stated = if known.board.is_some() { root.get("board") } else { Some(root.require("", "board")?) };
+    let stated_board = stated.map(grid).transpose()?;
+    let line = stated.map_or(root.line, |stated| stated.line);
+    // A file that lists what its own board has is not refused for that before it is for its board.
+    let board = if let Some(found) = &stated_board { found.clone() } else { known.board(None, line)? };
     let size = root.require("", "image")?;
     let side = |key: &str| image_size::side(size.require("image.", key)?, &format!("image.{key}"));
     let found = [side("width_px")?, side("height_px")?];
     let list = root.require("", "views")?.list(&"views")?;
     let images = list.iter().enumerate().map(|(i, node)| view(node, i, &board)).collect::<Result<_, _>>()?;
     Ok(ListedImages {
-        board: known.board(Some(board), stated.line)?,
+        board: known.board(stated_board, line)?,
         size: known.image_size(Some(found), size.line)?,
         images,
     })
+}
+
+/// The grid of corners that `stated` describes.
+fn grid(stated: &Node) -> Result<Board, ReadError> {
+    let side = |key: &str| stated.require("board.", key)?.count(&format_args!("board.{key}"), 2, MOST_CORNERS);
+    let (columns, rows) = (side("columns")? as usize, side("rows")? as usize);
+    let key = "board.square_mm";
+    let square = stated.require("board.", "square_mm")?.number(&key)?.between(&key, 1e-3, 1e6)? / 1e3;
+    Ok(Board::checkerboard(columns, rows, square))
 }
 
 fn view(node: &Node, i: usize, board: &Board) -> Result<ListedImage, ReadError> {
@@ -50,9 +58,14 @@ fn view(node: &Node, i: usize, board: &Board) -> Result<ListedImage, ReadError> 
     let list = node.require(&within, "corners")?;
     let corners = list.list(&format_args!("{within}corners"))?;
     if corners.len() != board.corner_count() {
-        let Board { columns, rows, .. } = *board;
         let line = corners.last().map_or(list.line, |corner| corner.line);
-        return Err(ReadFault::CornerCount { view: name, found: corners.len(), columns, rows }.at(line));
+        let fault = ReadFault::CornerCount {
+            view: name,
+            found: corners.len(),
+            board: board.to_string(),
+            corners: board.corner_count(),
+        };
+        return Err(fault.at(line));
     }
     let pixel = |(j, corner): (usize, &Node)| {
         if corner.is_null() {

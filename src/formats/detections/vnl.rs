@@ -32,7 +32,8 @@ enum Trust {
 /// The images of the file, which states neither board nor image size.
 pub(super) fn read(text: &str, known: &Known) -> Result<ListedImages, ReadError> {
     let (board, size) = (known.board(None, 1)?, known.image_size(None, 1)?);
-    Ok(ListedImages { board, size, images: table(text, &board)? })
+    let images = table(text, &board)?;
+    Ok(ListedImages { board, size, images })
 }
 
 /// The images of the table.
@@ -80,8 +81,8 @@ fn table(text: &str, board: &Board) -> Result<Vec<ListedImage>, ReadError> {
             image.corners.clear();
         } else if image.corners.len() != board.corner_count() {
             let (view, found, line) = (image.name.clone(), image.corners.len(), image.last_line());
-            let Board { columns, rows, .. } = *board;
-            return Err(ReadFault::CornerCount { view, found, columns, rows }.at(line));
+            let (board, corners) = (board.to_string(), board.corner_count());
+            return Err(ReadFault::CornerCount { view, found, board, corners }.at(line));
         }
     }
     Ok(images)

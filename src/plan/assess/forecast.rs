@@ -14,7 +14,7 @@ use crate::plan::document::{
 use crate::plan::survey::{Diagnosis, Survey, join, spacings};
 use crate::problem::{Goal, Method, PoseConstraints, Problem};
 use crate::sweep::{AxisRule, sweep};
-use crate::target::AxisCase;
+use crate::target::{AxisCase, Board, Checkerboard};
 use crate::verification::{Disturbance, Weighing};
 
 /// Configurations tried at most, and how long.
@@ -175,13 +175,13 @@ pub fn forecast_bytes(problem: &Problem) -> f64 {
 /// The same problem with a board of few corners, as large as the problem's.
 fn thinned(problem: &Problem) -> Problem {
     let mut small = problem.clone();
-    let board = &mut small.target.board;
-    let factor = (board.columns.max(board.rows) - 1).div_ceil(ALONG - 1).max(1);
-    let share = board.corner_count() as f64;
-    board.columns = ((board.columns - 1) / factor + 1).max(2);
-    board.rows = ((board.rows - 1) / factor + 1).max(2);
-    board.square *= factor as f64;
-    let share = board.corner_count() as f64 / share;
+    // Of the other kinds no board is like one with fewer corners.
+    let Board::Checkerboard(Checkerboard { columns, rows, square }) = &mut small.target.board else { return small };
+    let factor = ((*columns).max(*rows) - 1).div_ceil(ALONG - 1).max(1);
+    *columns = ((*columns - 1) / factor + 1).max(2);
+    *rows = ((*rows - 1) / factor + 1).max(2);
+    *square *= factor as f64;
+    let share = small.target.board.corner_count() as f64 / problem.target.board.corner_count() as f64;
     small.visibility.min_corner_spacing *= factor as f64;
     small.visibility.min_corners = problem.visibility.min_corners.map(|least| ((least as f64 * share) as usize).max(4));
     small

@@ -437,8 +437,8 @@ mod tests {
 
     /// The directions of their outer corners are apart by `least` px at least, at half the focal length, in the root sum of squares.
     fn assert_pictures_differ(problem: &Problem, views: &[View], least: f64) {
-        let [width, height] = [problem.target.board.columns, problem.target.board.rows]
-            .map(|count| (count + 1) as f64 * problem.target.board.square);
+        let (columns, rows, square) = problem.target.board.grid().unwrap();
+        let [width, height] = [columns, rows].map(|count| (count + 1) as f64 * square);
         let outer = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|(x, y)| (x * width, y * height));
         let half_focal = (problem.camera.intrinsics()[0] + problem.camera.intrinsics()[1]) / 4.0;
         let toward = |view: &View, (x, y)| (view.X_CT * nalgebra::Point3::new(x, y, 0.0)).coords.normalize();

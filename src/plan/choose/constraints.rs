@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, Point3, Vector3};
 use thiserror::Error;
 
-use crate::feasibility::View;
+use crate::feasibility::{View, told_in_image};
 use crate::figures::grouped;
 use crate::plan::survey::Survey;
 use crate::problem::{JointRegion, PoseConstraints, Problem};
@@ -175,10 +175,11 @@ impl Captured {
         let Problem { robot, camera, target, visibility, .. } = problem;
         let X_CT = robot.camera_pose(q).inverse() * target.X_BT;
         let corners: Vec<_> = target.board.corners().collect();
+        let is_told = told_in_image(camera, &target.board.markers(), corners.len(), &X_CT);
         let in_image =
             |corner: &Point3<f64>| camera.project(&(X_CT * corner)).is_some_and(|pixel| camera.contains(&pixel, 0.0));
         let printed_side = (X_CT.rotation * Vector3::z()).dot(&X_CT.translation.vector) < 0.0;
-        let seen: Vec<usize> = (0..corners.len()).filter(|&i| in_image(&corners[i])).collect();
+        let seen: Vec<usize> = (0..corners.len()).filter(|&i| is_told[i] && in_image(&corners[i])).collect();
         let enough = printed_side && seen.len() >= visibility.min_corners.unwrap_or(corners.len());
         let seen = if seen.len() == corners.len() { Corners::All } else { Corners::Some(seen) };
         enough.then_some(Self { X_CT, seen })

@@ -35,9 +35,10 @@ pub use plan::{
     joints_deg,
 };
 pub use problem::{
-    BoardDocument, CameraSights, CheckDocument, ClosePair, DiagnosisDocument, InitDocument, LensDocument, NoteDocument,
-    ObstacleDocument, PageDocument, PatternDocument, PrintedFile, PublishedCounts, ReachDocument, ReachedConfiguration,
-    SelfCollision, Sight, Suspicion, SweepCounts, SweepDocument, TestedPair, TilesDocument,
+    BoardDescription, BoardDocument, CameraSights, CheckDocument, ClosePair, DiagnosisDocument, InitDocument,
+    LensDocument, NoteDocument, ObstacleDocument, PageDocument, PatternDocument, PrintedFile, PublishedCounts,
+    ReachDocument, ReachedConfiguration, SelfCollision, Sight, Suspicion, SweepCounts, SweepDocument, TestedPair,
+    TilesDocument,
 };
 pub use refusal::{ErrorDocument, FaultDocument, FaultInFile};
 pub use review::{

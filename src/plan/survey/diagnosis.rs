@@ -63,6 +63,8 @@ pub enum Miss {
     OutsideImage(f64),
     /// Neighbouring corners are so many px apart; the least allowed.
     Spacing(f64, f64),
+    /// Markers too small to be read: their least side, and the least allowed.
+    Marker(f64, f64),
     /// The tip-over margin, where it can be computed, and the least allowed.
     Unstable(Option<f64>, f64),
     /// Two links, or a link and an obstacle, are within the clearance: the reason of the rejection, their names, their distance and
@@ -156,7 +158,7 @@ fn sight_obstacle(problem: &Problem, looks: &[Look]) -> Option<Obstacle> {
 /// What `look` measures in a test that it fails.
 fn miss(problem: &Problem, test: usize, look: &Look) -> Miss {
     let limits = &problem.visibility;
-    let Measures { distance, incidence, tilt, off_axis, overhang, spacing } = look.measures;
+    let Measures { distance, incidence, tilt, off_axis, overhang, spacing, marker } = look.measures;
     let Some(test) = test.checked_sub(1) else { return Miss::Axis(look.misses[0]) };
     match VisibilityTest::ALL[test] {
         VisibilityTest::Side => Miss::BackSide(incidence),
@@ -166,6 +168,7 @@ fn miss(problem: &Problem, test: usize, look: &Look) -> Miss {
         VisibilityTest::Tilt => Miss::Tilt(tilt, limits.max_tilt),
         VisibilityTest::Image if overhang.is_finite() => Miss::OutsideImage(overhang),
         VisibilityTest::Image => Miss::BeyondLens(off_axis),
+        VisibilityTest::Spacing if spacing >= limits.min_corner_spacing => Miss::Marker(marker, limits.min_marker),
         VisibilityTest::Spacing => Miss::Spacing(spacing, limits.min_corner_spacing),
     }
 }
@@ -242,7 +245,7 @@ impl Miss {
             Miss::Tilt(..) => Rejection::Tilt.name(),
             Miss::BeyondLens(_) => Rejection::BeyondLens.name(),
             Miss::OutsideImage(_) => Rejection::OutsideImage.name(),
-            Miss::Spacing(..) => Rejection::CornerSpacing.name(),
+            Miss::Spacing(..) | Miss::Marker(..) => Rejection::CornerSpacing.name(),
             Miss::Unstable(..) => Rejection::Unstable.name(),
             Miss::Collision(reason, ..) => reason.name(),
             Miss::Occluded(_) => Rejection::Occluded.name(),
@@ -279,6 +282,10 @@ impl Miss {
             Miss::OutsideImage(_) => {
                 "use a smaller board, let it be farther away (`visibility.max_distance_mm`), or state with \
                  `visibility.min_corners` that it can be read in part"
+            }
+            Miss::Marker(..) => {
+                "lower `visibility.min_marker_px`, use larger markers or a dictionary of fewer bits, or bring the board nearer with \
+                 `target.pose`"
             }
             Miss::Spacing(..) => {
                 "lower `visibility.min_corner_spacing_px`, use larger squares, or bring the board nearer with `target.pose`"
@@ -363,6 +370,10 @@ impl fmt::Display for Miss {
                     "in the configuration that comes nearest, a corner is {} px outside the image or its margin",
                     rounded(*beyond)
                 )
+            }
+            Miss::Marker(side, least) => {
+                let (side, least) = (rounded(*side), rounded(*least));
+                write!(f, "the sides of markers are at most {side} px long; min_marker_px is {least}")
             }
             Miss::Spacing(spacing, least) => {
                 let (spacing, least) = (rounded(*spacing), rounded(*least));

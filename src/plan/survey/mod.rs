@@ -85,20 +85,17 @@ pub enum SurveyError {
         draws: usize,
     },
     /// A view's pose is not determined by its own corners.
-    #[error("the board's {columns} x {rows} corners do not determine its pose in the image")]
+    #[error("the corners of the {board} do not determine its pose in the image")]
     PoseUndetermined {
-        /// Corners along x.
-        columns: usize,
-        /// Corners along y.
-        rows: usize,
+        /// The board.
+        board: String,
     },
 }
 
 impl SurveyError {
     /// Of a view in which the board's pose is not determined.
     pub(crate) fn undetermined(problem: &Problem) -> Self {
-        let board = &problem.target.board;
-        Self::PoseUndetermined { columns: board.columns, rows: board.rows }
+        Self::PoseUndetermined { board: problem.target.board.to_string() }
     }
 }
 

@@ -10,7 +10,7 @@ use crate::feasibility::Sighting;
 use crate::problem::Problem;
 use crate::robot::{JointKind, Robot};
 use crate::spatial::Pose;
-use crate::target::Board;
+use crate::target::{Board, Checkerboard};
 
 /// Configurations tried with a mistake undone.
 const TRIED: usize = 4000;
@@ -61,8 +61,11 @@ fn lengths(problem: &Problem) -> Vec<Smell> {
     if tiny(board, TINY) && reach > 10.0 * TINY {
         smells.push(Smell::Metres("`target.pose.position_mm`", board * 1e3));
     }
-    if tiny(target.board.square, TINY / 10.0) {
-        smells.push(Smell::Metres("`target.square_mm`", target.board.square * 1e3));
+    let spacing = target.board.grid().map_or_else(|| target.board.spacing(), |(_, _, square)| square);
+    if tiny(spacing, TINY / 10.0) {
+        let what =
+            if target.board.grid().is_some() { "`target.square_mm`" } else { "the spacing of the board's corners" };
+        smells.push(Smell::Metres(what, spacing * 1e3));
     }
     if tiny(visibility.max_distance, 2.0 * TINY) {
         smells.push(Smell::Metres("`visibility.max_distance_mm`", visibility.max_distance * 1e3));
@@ -135,13 +138,13 @@ fn turned(problem: &Problem) -> Option<Smell> {
         };
         cameras.par_iter().filter(sees).count()
     };
-    let Board { columns, rows, square } = target.board;
     let over = Pose::from_parts(Translation3::identity(), UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI));
     let still = Pose::identity();
-    let mut changes = vec![
-        (Smell::FacingAway(0.0), seen(&target.board, &(target.X_BT * over), &still)),
-        (Smell::Swapped(0.0), seen(&Board { columns: rows, rows: columns, square }, &target.X_BT, &still)),
-    ];
+    let mut changes = vec![(Smell::FacingAway(0.0), seen(&target.board, &(target.X_BT * over), &still))];
+    if let Board::Checkerboard(Checkerboard { columns, rows, square }) = target.board {
+        let swapped = Board::checkerboard(rows, columns, square);
+        changes.push((Smell::Swapped(0.0), seen(&swapped, &target.X_BT, &still)));
+    }
     for (name, R_CN) in directions() {
         let X_CN = Pose::from_parts(Translation3::identity(), R_CN);
         changes.push((Smell::LooksAlong(name, 0.0), seen(&target.board, &target.X_BT, &X_CN)));

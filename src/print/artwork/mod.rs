@@ -1,9 +1,18 @@
 //! What is printed: black shapes on white, in mm, x to the right and y up.
 
+mod aprilgrid;
+mod charuco;
 mod checkerboard;
+mod circles;
+mod modules;
 mod text;
 
 pub use text::{Anchor, Text};
+
+use std::f64::consts::TAU;
+
+use super::error::PrintError;
+use crate::target::Board;
 
 /// A target's pattern in frame T, its centre the origin: what the pages are laid out from, whatever the target's kind.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,6 +29,28 @@ pub struct Artwork {
     pub cuts: [Vec<f64>; 2],
     /// What it is, in words.
     pub title: String,
+}
+
+impl Artwork {
+    /// What is printed of a board, its corners where [`Board::corner`] has them.
+    ///
+    /// # Errors
+    /// When the board is none, as a checkerboard of fewer than two or more than a thousand inner corners along a side or with
+    /// squares of no positive size, or known by its points alone.
+    pub fn new(board: &Board) -> Result<Self, PrintError> {
+        match board {
+            Board::Checkerboard(board) => Self::checkerboard(board),
+            Board::Charuco(board) => Ok(Self::charuco(board)),
+            Board::AprilGrid(board) => Ok(Self::aprilgrid(board)),
+            Board::Circles(board) => Ok(Self::circles(board)),
+            Board::Points(_) => Err(PrintError::NoPattern),
+        }
+    }
+
+    /// The outlines of all that is black, with circles as polygons, in m in frame T.
+    pub fn outlines(&self) -> Vec<Vec<[f64; 2]>> {
+        self.shapes.iter().map(|shape| shape.outline().iter().map(|point| point.map(|x| x / 1e3)).collect()).collect()
+    }
 }
 
 /// Something black.
@@ -81,6 +112,25 @@ impl Shape {
     /// The shape, moved.
     pub(super) fn moved(&self, by: [f64; 2]) -> Self {
         self.mapped(|[x, y]| [x + by[0], y + by[1]])
+    }
+
+    /// The corners of the polygon that it is, or that is close to it: of a circle, one of the same area.
+    fn outline(&self) -> Vec<[f64; 2]> {
+        /// Sides of the polygon for a circle, whose corners are 0.6 % of the radius outside of it.
+        const SIDES: u32 = 24;
+        match self {
+            Self::Rectangle(Rectangle { min: [x0, y0], max: [x1, y1] }) => {
+                vec![[*x0, *y0], [*x1, *y0], [*x1, *y1], [*x0, *y1]]
+            }
+            Self::Circle { centre: [x, y], radius } => {
+                let side = TAU / f64::from(SIDES);
+                let reach = radius * (side / side.sin()).sqrt();
+                let angles = (0..SIDES).map(|i| (f64::from(i) + 0.5) * side);
+                angles.map(|angle| [x + reach * angle.cos(), y + reach * angle.sin()]).collect()
+            }
+            Self::Polygon(corners) => corners.clone(),
+            Self::Text(_) => Vec::new(),
+        }
     }
 
     /// The rectangle around it.

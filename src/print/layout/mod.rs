@@ -139,7 +139,7 @@ mod tests {
     use crate::target::Board;
 
     fn board(columns: usize, rows: usize, square_mm: f64) -> Artwork {
-        Artwork::checkerboard(&Board { columns, rows, square: square_mm / 1e3 }).unwrap()
+        Artwork::new(&Board::checkerboard(columns, rows, square_mm / 1e3)).unwrap()
     }
 
     fn on(artwork: &Artwork, paper: &str, tile: bool) -> Result<Print, PrintError> {

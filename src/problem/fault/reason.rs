@@ -5,8 +5,10 @@ use std::path::PathBuf;
 use super::allowed::{Allowed, Number};
 use super::suggestion::{quoted, suggestion};
 use crate::feasibility::StabilityError;
+use crate::figures::trimmed;
 use crate::formats::{FileReadError, ReadFault};
 use crate::robot::JointKind;
+use crate::target::BoardError;
 
 /// What is wrong with a key or its value. Values are in the file's units.
 #[derive(Debug, Clone, PartialEq)]
@@ -125,6 +127,27 @@ pub enum Reason {
         path: PathBuf,
         /// Why not.
         error: FileReadError,
+    },
+    /// The file that the key names gives no board.
+    TargetFile {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        error: FileReadError,
+    },
+    /// The file describes a board of another kind.
+    OtherKind {
+        /// The kind that is stated.
+        stated: &'static str,
+        /// The file's.
+        found: &'static str,
+        /// The file.
+        file: PathBuf,
+    },
+    /// There is no such board.
+    Board {
+        /// Why not.
+        error: BoardError,
     },
     /// A body has no shape.
     NoShape {
@@ -250,12 +273,18 @@ impl Reason {
             Reason::FoldsBack { angle: None, share, .. } => {
                 format!("`{key}` reaches only {:.0} % of the picture", 100.0 * share)
             }
-            Reason::CameraFile { path, error } | Reason::RobotFile { path, error } => {
+            Reason::CameraFile { path, error }
+            | Reason::RobotFile { path, error }
+            | Reason::TargetFile { path, error } => {
                 format!("{}: {error}", path.display())
             }
             Reason::NoShape { .. } => format!("`{key}` has no shape"),
             Reason::Ambiguous { name } => format!("`{key}` is \"{name}\", which is the name of several links"),
             Reason::Support { error } => error.to_string(),
+            Reason::OtherKind { stated, found, file } => {
+                format!("`{key}` is \"{stated}\", but {} describes a board of the kind \"{found}\"", file.display())
+            }
+            Reason::Board { error } => error.to_string(),
             Reason::NoMasses => format!("`{key}` needs masses, and no link has one"),
             Reason::NoFolder { name } => format!("`{key}` is \"{name}\", which is not a folder"),
             Reason::BeyondUrdf { range: [min, max], soft, .. } => {
@@ -312,6 +341,23 @@ impl Reason {
                 _ => format!("names a file with an error at line {}", error.line),
             },
             Reason::CameraFile { .. } => "must name a camera file".into(),
+            Reason::TargetFile { error: FileReadError::Content(error), .. } => match error.fault {
+                ReadFault::NoBoard => "names a file that cannot be used".into(),
+                _ => format!("names a file with an error at line {}", error.line),
+            },
+            Reason::TargetFile { .. } => "must name a file that describes a board".into(),
+            Reason::OtherKind { found, .. } => format!("must be \"{found}\", or left out"),
+            Reason::Board { error } => match error {
+                BoardError::TooLarge { room, .. } => format!("must be less than {}", trimmed(*room, 4)),
+                BoardError::TooFewMarkers { needed, .. } => format!("needs {needed} markers"),
+                BoardError::Duplicate { first, .. } => format!("is point {first} once more"),
+                BoardError::OnALine => "must span an area".into(),
+                BoardError::TooFew { .. }
+                | BoardError::Length { .. }
+                | BoardError::NotFinite { .. }
+                | BoardError::TooFewPoints { .. }
+                | BoardError::TooManyPoints { .. } => "is no board".into(),
+            },
             Reason::Ambiguous { .. } => "must name one link".into(),
             Reason::Support { .. } => "must span an area".into(),
             Reason::NoMasses => "cannot be tested".into(),
@@ -388,6 +434,15 @@ impl Reason {
             }
             Reason::NoShape { allowed } => format!("give one of {}", quoted(allowed)),
             Reason::Ambiguous { .. } => "rename the joint".into(),
+            Reason::Board { error: BoardError::TooFewMarkers { .. } } => {
+                "take a larger dictionary of the same size, as DICT_5X5_1000 for DICT_5X5_50, or fewer squares or tags".into()
+            }
+            Reason::Board { error: BoardError::TooLarge { .. } } => {
+                "markers and circles are smaller than the squares or the distances that they stand in".into()
+            }
+            Reason::TargetFile { error: FileReadError::Content(error), path } if error.fault != ReadFault::NoBoard => {
+                format!("correct line {} of {}", error.line, path.display())
+            }
             Reason::NoMasses => "give them in `[[robot.masses]]`".into(),
             Reason::InProblem { hint, .. } => return hint.clone(),
             Reason::TooManyCells { .. } => {

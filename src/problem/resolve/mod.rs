@@ -33,7 +33,7 @@ pub(super) fn resolve(document: &Document, file: &schema::File, path: &Path) -> 
     let mut robot = check.robot(file, folder);
     check.scene(&key!(file, scene), robot.as_mut());
     let camera = check.camera(&key!(file, camera), folder);
-    let target = check.target(&key!(file, target));
+    let target = check.target(&key!(file, target), folder);
     let thickness = check.length(&key!(file, target.thickness_mm), SIZE);
     if let (Some(robot), Some(target)) = (&mut robot, &target) {
         Check::board(target, thickness, robot.board_link, &mut robot.tree);
@@ -42,7 +42,8 @@ pub(super) fn resolve(document: &Document, file: &schema::File, path: &Path) -> 
     let stability = key!(file, stability).given();
     let stability = stability.and_then(|test| check.stability(&test, robot.as_ref().map(|robot| &robot.tree)));
     let noise = check.noise(&key!(file, noise));
-    let visibility = check.visibility(&key!(file, visibility), &file.value.target, noise.model);
+    let board = target.as_ref().map(|target| &target.board);
+    let visibility = check.visibility(&key!(file, visibility), board, noise.model);
     // Without its camera file the names of the lens's intrinsics are not known.
     let lens = camera.as_ref().map(Camera::lens).or_else(|| file.value.camera.stated_lens());
     let estimate = key!(file, estimate);

@@ -23,6 +23,6 @@ pub(crate) use robot::{Joint, Robot};
 pub(crate) use robust::Robust;
 pub(crate) use selection::{Constraints, Group, Region, Selection};
 pub(crate) use sweep::{Published, Sweep};
-pub(crate) use target::Target;
+pub(crate) use target::{Target, TargetKind};
 pub(crate) use value::{Choice, MountName, Named, NumberOrList, Numbers, Pose, Range, RangeOrSets, TextOrTable};
 pub(crate) use view::{Estimate, Noise, Visibility};

@@ -23,13 +23,17 @@ pub(crate) struct Visibility {
     pub(crate) min_distance_mm: f64,
     /// Maximum distance from the camera to the board's centre, in mm.
     pub(crate) max_distance_mm: f64,
-    /// Minimum distance between neighbouring rows and columns of corners in the image, in px: the height of the squares, however slanted;
-    /// 1.5 times `noise.window_px` and half a px when left out, and 5 for constant noise.
+    /// Minimum distance between neighbouring rows and columns of corners in the image, in px: the height of the squares,
+    /// however slanted; 1.5 times `noise.window_px` and half a px when left out, of boards with markers as high that these are
+    /// 2 px beyond the window, and 5 for constant noise.
     pub(crate) min_corner_spacing_px: Option<f64>,
-    /// Minimum number of corners in a view, for boards that can be read in part (`ChArUco`, grids of tags); every corner when left
-    /// out.
+    /// Minimum number of corners in a view, for boards that can be read in part. When left out: 4 of a `charuco` board, 16 of
+    /// an `aprilgrid`, and every corner of other boards.
     #[schemars(range(min = 4))]
     pub(crate) min_corners: Option<u32>,
+    /// Minimum length of a marker's or tag's sides in the image, in px, for it to be read; three px for each of its modules
+    /// when left out.
+    pub(crate) min_marker_px: Option<f64>,
 }
 
 /// The error of a detected corner.
@@ -68,6 +72,7 @@ impl Default for Visibility {
             max_distance_mm: 100_000.0,
             min_corner_spacing_px: None,
             min_corners: None,
+            min_marker_px: None,
         }
     }
 }

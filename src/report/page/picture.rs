@@ -16,7 +16,7 @@ pub(super) fn picture(scene: &Scene, picture: &Picture, name: &str) -> Markup {
             (bodies(scene, picture, false))
             polygon points=(points(&picture.border_px)) fill="var(--panel)" {}
             g fill="var(--ink)" fill-opacity="0.55" {
-                @for square in &picture.squares_px { polygon points=(points(square)) {} }
+                @for outline in &picture.pattern_px { polygon points=(points(outline)) {} }
             }
             g stroke="var(--paper)" stroke-width=(size / 900.0) {
                 @for (i, [u, v]) in corners().filter(|(i, _)| !is(*i, &picture.hidden)) {

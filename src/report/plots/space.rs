@@ -52,8 +52,7 @@ impl Canvas {
     fn board(&mut self, scene: &Scene) {
         let board = &scene.board;
         let X_BT = board.pose.transform();
-        let printed = [(board.columns + 1) as f64 * board.square_m, (board.rows + 1) as f64 * board.square_m];
-        for (name, hue, [width, height]) in [("board", Hue::Other, printed), ("zone", Hue::Views, board.zone_m)] {
+        for (name, hue, [width, height]) in [("board", Hue::Other, board.size_m), ("zone", Hue::Views, board.zone_m)] {
             let corners = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5)];
             let border = corners.map(|(x, y)| X_BT * Point3::new(x * width, y * height, 0.0));
             self.line(name, hue, Line::Solid, &border);

@@ -445,13 +445,16 @@ impl<'a> Evidence<'a> {
 /// `X_CT` and the corners seen of the views taken already; none of those that do not show enough of the board.
 fn captured(problem: &Problem) -> impl Iterator<Item = Option<(Pose, Corners)>> {
     let corners: Vec<Point3<f64>> = problem.target.board.corners().collect();
+    let markers = problem.target.board.markers();
     let least = problem.visibility.min_corners.unwrap_or(corners.len());
     problem.constraints.captured.iter().map(move |q| {
         let X_CT = problem.robot.camera_pose(q).inverse() * problem.target.X_BT;
         let is_seen = |corner: &Point3<f64>| {
             problem.camera.project(&(X_CT * corner)).is_some_and(|pixel| problem.camera.contains(&pixel, 0.0))
         };
-        let seen: Vec<usize> = (0..corners.len()).filter(|&i| is_seen(&corners[i])).collect();
+        let is_cut =
+            |i: usize| markers.iter().any(|marker| marker.corners.contains(&i) && !marker.outline.iter().all(is_seen));
+        let seen: Vec<usize> = (0..corners.len()).filter(|&i| is_seen(&corners[i]) && !is_cut(i)).collect();
         let faces_camera = (X_CT.rotation * Vector3::z()).dot(&X_CT.translation.vector) < 0.0;
         (faces_camera && seen.len() >= least).then_some((X_CT, Corners::Some(seen)))
     })

@@ -16,6 +16,8 @@ pub(crate) struct Taken<'a> {
     camera: &'a Camera,
     /// The middle of each view's corners, px, and their mean position on the board, m.
     middles: Vec<(Vector2<f64>, Point3<f64>)>,
+    /// In how many ways the board's corners may be counted.
+    turns: usize,
 }
 
 impl<'a> Taken<'a> {
@@ -26,14 +28,15 @@ impl<'a> Taken<'a> {
             let points = view.iter().map(|corner| point(observations.board(), corner.index, 0).coords);
             (pixel, Point3::from(points.sum::<nalgebra::Vector3<f64>>() / count))
         };
-        Self { observations, camera, middles: observations.views().iter().map(middle).collect() }
+        let turns = if observations.board().is_ambiguous() { 4 } else { 1 };
+        Self { observations, camera, middles: observations.views().iter().map(middle).collect(), turns }
     }
 
     /// The view taken that shows the board where `view` would, whichever of its corners is listed first.
     pub(crate) fn like(&self, view: &View) -> Option<usize> {
         let side = f64::from(self.camera.width().max(self.camera.height()));
         (0..self.middles.len()).find(|&i| {
-            (0..4).any(|turn| {
+            (0..self.turns).any(|turn| {
                 let (pixel, middle) = self.middles[i];
                 // A quick look before the corners: perspective moves the middle by little.
                 let image = self.camera.project(&(view.X_CT * turned(middle, turn)));
@@ -57,7 +60,7 @@ impl<'a> Taken<'a> {
 
 /// A corner of the board if its columns (bit 0 of `turn`) and its rows (bit 1) are counted from the other end.
 fn point(board: &Board, index: usize, turn: usize) -> Point3<f64> {
-    turned(board.corner(index % board.columns, index / board.columns), turn)
+    turned(board.corner(index), turn)
 }
 
 fn turned(mut point: Point3<f64>, turn: usize) -> Point3<f64> {

@@ -51,7 +51,7 @@ pub fn review(plan: &Plan, chooser: &Chooser, selected: &[usize]) -> Result<Revi
                 let X_BL = problem.robot.link_poses(&view.q);
                 let bodies = silhouettes(&scene, &problem.camera, view, &X_BL);
                 let nearest = collision.as_ref().and_then(|collision| nearest(&scene, collision, &X_BL));
-                reviewed_pose(pose, number, problem, view, bodies, nearest)
+                reviewed_pose(pose, number, problem, view, bodies, nearest, &scene.board.pattern_m)
             })
             .collect(),
         others: vec![OtherChoice {
@@ -81,6 +81,7 @@ fn reviewed_pose(
     view: &View,
     bodies: Vec<Silhouette>,
     nearest: Option<NearestLinks>,
+    pattern: &[Vec<[f64; 2]>],
 ) -> ReviewedPose {
     let Problem { camera, target, visibility, .. } = problem;
     ReviewedPose {
@@ -93,7 +94,7 @@ fn reviewed_pose(
         distance_m: pose.distance_m,
         share: pose.share,
         nearest,
-        picture: Picture::new(camera, &target.board, visibility.margin, view, bodies),
+        picture: Picture::new(camera, &target.board, pattern, visibility.margin, view, bodies),
     }
 }
 

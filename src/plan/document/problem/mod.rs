@@ -8,7 +8,7 @@ mod self_collision;
 mod sights;
 mod sweep;
 
-pub use board::{BoardDocument, PageDocument, PatternDocument, PrintedFile, TilesDocument};
+pub use board::{BoardDescription, BoardDocument, PageDocument, PatternDocument, PrintedFile, TilesDocument};
 pub use check::{CheckDocument, DiagnosisDocument, LensDocument, NoteDocument, ObstacleDocument, Suspicion};
 pub use init::InitDocument;
 pub use reach::{ReachDocument, ReachedConfiguration};

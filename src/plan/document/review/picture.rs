@@ -17,10 +17,10 @@ pub struct Picture {
     pub unseen: Vec<usize>,
     /// Those of them that a body hides.
     pub hidden: Vec<usize>,
-    /// The border of the printed squares, as the lens bends it.
+    /// The border of what is printed, as the lens bends it.
     pub border_px: Vec<[f64; 2]>,
-    /// The dark squares, four points each.
-    pub squares_px: Vec<[[f64; 2]; 4]>,
+    /// The outlines of all that is black.
+    pub pattern_px: Vec<Vec<[f64; 2]>>,
     /// Share of the picture that the corners seen span.
     pub image_share: f64,
     /// Distance of the corners seen from the picture's nearest side.
@@ -41,23 +41,20 @@ pub struct Silhouette {
 }
 
 impl Picture {
-    /// `margin` (px) is how far corners must be from the picture's sides.
-    pub(crate) fn new(camera: &Camera, board: &Board, margin: f64, view: &View, bodies: Vec<Silhouette>) -> Self {
+    /// `margin` (px) is how far corners must be from the picture's sides; `pattern` has the black outlines on the board, m.
+    pub(crate) fn new(
+        camera: &Camera,
+        board: &Board,
+        pattern: &[Vec<[f64; 2]>],
+        margin: f64,
+        view: &View,
+        bodies: Vec<Silhouette>,
+    ) -> Self {
         let project = |point| camera.project(&(view.X_CT * point)).map(<[f64; 2]>::from);
         let corners_px: Vec<_> = board.corners().map(project).collect();
         let seen = |i: usize| view.seen.contains(i);
-        // Square (c, r) lies before corner (c, r); those beyond the last corner are of the board, too.
-        let grid = |c: usize, r: usize| {
-            let origin = board.corner(0, 0);
-            let x = origin.x + (c as f64 - 1.0) * board.square;
-            let y = origin.y + (r as f64 - 1.0) * board.square;
-            project([x, y, 0.0].into())
-        };
-        let square = |c: usize, r: usize| Some([grid(c, r)?, grid(c + 1, r)?, grid(c + 1, r + 1)?, grid(c, r + 1)?]);
-        let (right, bottom) = (board.columns + 1, board.rows + 1);
-        let border = (0..right).map(|c| (c, 0)).chain((0..bottom).map(|r| (right, r)));
-        let border = border.chain((1..=right).rev().map(|c| (c, bottom))).chain((1..=bottom).rev().map(|r| (0, r)));
-        let places = (0..=board.rows).flat_map(|r| (0..=board.columns).map(move |c| (c, r)));
+        let on_board = |&[x, y]: &[f64; 2]| project([x, y, 0.0].into());
+        let outline = |points: &Vec<[f64; 2]>| points.iter().map(on_board).collect::<Option<Vec<_>>>();
         let (width, height) = (f64::from(camera.width()), f64::from(camera.height()));
         let to_side = |&[u, v]: &[f64; 2]| u.min(v).min(width - 1.0 - u).min(height - 1.0 - v);
         let counted =
@@ -67,8 +64,8 @@ impl Picture {
         Self {
             hidden: unseen.iter().filter(inside).copied().collect(),
             unseen,
-            border_px: border.filter_map(|(c, r)| grid(c, r)).collect(),
-            squares_px: places.filter(|(c, r)| (c + r) % 2 == 0).filter_map(|(c, r)| square(c, r)).collect(),
+            border_px: border(board).iter().filter_map(on_board).collect(),
+            pattern_px: pattern.iter().filter_map(outline).collect(),
             image_share: image_share(camera, board, view),
             margin_px: counted().map(to_side).fold(f64::INFINITY, f64::min),
             corners_px,
@@ -90,17 +87,30 @@ fn area(corners: impl ExactSizeIterator<Item = [f64; 2]> + Clone) -> f64 {
     0.5 * corners.zip(next).map(|(p, q)| p[0] * q[1] - p[1] * q[0]).sum::<f64>().abs()
 }
 
+/// Points around what is printed, m.
+fn border(board: &Board) -> Vec<[f64; 2]> {
+    /// Points of a side.
+    const SIDE: usize = 9;
+    let (width, height) = board.printed_size();
+    let corners = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|(x, y)| [x * width, y * height]);
+    let along = |side: usize, i: usize| {
+        let ([ax, ay], [bx, by], share) = (corners[side], corners[(side + 1) % 4], i as f64 / SIDE as f64);
+        [ax + share * (bx - ax), ay + share * (by - ay)]
+    };
+    (0..4 * SIDE).map(|i| along(i / SIDE, i % SIDE)).collect()
+}
+
 /// Share of the picture that the corners seen span.
 pub(crate) fn image_share(camera: &Camera, board: &Board, view: &View) -> f64 {
     let project = |corner: &Point3<f64>| camera.project(&(view.X_CT * corner)).map(<[f64; 2]>::from);
-    let (c, r) = (board.columns - 1, board.rows - 1);
-    let area = match &view.seen {
-        Corners::All => {
-            spanned([(0, 0), (c, 0), (c, r), (0, r)].map(|(column, row)| project(&board.corner(column, row))))
+    let area = match (&view.seen, board.grid()) {
+        (Corners::All, Some((columns, rows, _))) => {
+            let last = columns * rows - 1;
+            spanned([0, columns - 1, last, last + 1 - columns].map(|i| project(&board.corner(i))))
         }
-        Corners::Some(indices) => {
-            let corners: Vec<Point3<f64>> = board.corners().collect();
-            let seen = indices.iter().filter_map(|&i| project(corners.get(i)?));
+        (seen, _) => {
+            let indices = seen.indices(board.corner_count());
+            let seen = indices.iter().filter_map(|&i| project(&board.corner(i)));
             let hull = convex_hull(&seen.map(Point2::from).collect::<Vec<_>>());
             area(hull.iter().map(|corner| [corner.x, corner.y]))
         }

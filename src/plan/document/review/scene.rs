@@ -7,8 +7,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::camera::Camera;
 use crate::plan::document::plan::Pose;
+use crate::print::Artwork;
 use crate::problem::Problem;
 use crate::robot::{Body, Joint, JointKind, Motion, Shape};
+use crate::target::Board;
 
 /// Everything that has a place in space. The frame of `base_link` is the base frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -124,17 +126,17 @@ pub enum SceneShape {
     },
 }
 
-/// The board: a checkerboard about its frame's origin, one square more each way than it has inner corners.
+/// The board, its middle in its frame's origin.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SceneBoard {
     /// Pose in the base frame; z points out of the printed side.
     pub pose: Pose,
-    /// Inner corners along x.
-    pub columns: usize,
-    /// Inner corners along y.
-    pub rows: usize,
-    /// Side of a square.
-    pub square_m: f64,
+    /// Width and height of what is printed.
+    pub size_m: [f64; 2],
+    /// Least distance of neighbouring corners.
+    pub spacing_m: f64,
+    /// The outlines of all that is black.
+    pub pattern_m: Vec<Vec<[f64; 2]>>,
     /// Width and height of the zone that the optical axis is to meet.
     pub zone_m: [f64; 2],
 }
@@ -184,9 +186,9 @@ impl Scene {
             solids: solids.collect(),
             board: SceneBoard {
                 pose: Pose::new(&target.X_BT),
-                columns: target.board.columns,
-                rows: target.board.rows,
-                square_m: target.board.square,
+                size_m: target.board.printed_size().into(),
+                spacing_m: target.board.spacing(),
+                pattern_m: pattern(&target.board),
                 zone_m: [target.zone.width, target.zone.height],
             },
             camera: SceneCamera {
@@ -256,6 +258,11 @@ impl SceneShape {
             }
         })
     }
+}
+
+/// The outlines of what is black on a board, m; none where there is no telling what is printed.
+fn pattern(board: &Board) -> Vec<Vec<[f64; 2]>> {
+    Artwork::new(board).map_or(Vec::new(), |artwork| artwork.outlines())
 }
 
 fn kind(kind: JointKind) -> &'static str {

@@ -52,7 +52,7 @@ export class Stage {
 
   #extent() {
     const { board, views, poses, links } = this.data;
-    const [x, y] = [board.columns + 2, board.rows + 2].map((count) => (count * board.square_m) / 2);
+    const [x, y] = board.size_m.map((/** @type {number} */ side) => (side + board.spacing_m) / 2);
     const points = [[-x, -y, 0], [x, -y, 0], [x, y, 0], [-x, y, 0]].map((corner) => transform(board.pose, corner));
     // Evenly spaced ones are enough to tell how far the views reach.
     const stride = 3 * Math.ceil(views.ids.length / EXTENT_VIEWS);

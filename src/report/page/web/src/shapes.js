@@ -52,20 +52,14 @@ export function sharpEdges(/** @type {any} */ shape, /** @type {BufferGeometry} 
   return smooth || triangles > EDGES_UP_TO_TRIANGLES ? null : new EdgesGeometry(surface, 35);
 }
 
-/** All squares of a chessboard that are dark, in the plane z = 0, centred. */
-export function darkSquares(/** @type {{columns: number, rows: number, square_m: number}} */ board) {
+/** Convex polygons in the plane z = 0. */
+export function polygons(/** @type {number[][][]} */ outlines) {
   const coordinates = [];
   const triangles = [];
-  for (let row = 0; row <= board.rows; row++) {
-    for (let column = row % 2; column <= board.columns; column += 2) {
-      const x = (column - (board.columns + 1) / 2) * board.square_m;
-      const y = (row - (board.rows + 1) / 2) * board.square_m;
-      const first = coordinates.length / 3;
-      for (const [dx, dy] of [[0, 0], [1, 0], [1, 1], [0, 1]]) {
-        coordinates.push(x + dx * board.square_m, y + dy * board.square_m, 0);
-      }
-      triangles.push(first, first + 1, first + 2, first, first + 2, first + 3);
-    }
+  for (const outline of outlines) {
+    const first = coordinates.length / 3;
+    for (const [x, y] of outline) coordinates.push(x, y, 0);
+    for (let i = 2; i < outline.length; i++) triangles.push(first, first + i - 1, first + i);
   }
   return geometryOf(coordinates, triangles);
 }

@@ -1,16 +1,16 @@
 /** What stands still: the board, the ground's grid, the axes of the base frame. */
 import { BoxGeometry, Group, LineSegments, Mesh, Vector3 } from "three";
 import { makeBar, place, stretch } from "./placing.js";
-import { darkSquares, grid, rectangle } from "./shapes.js";
+import { grid, polygons, rectangle } from "./shapes.js";
 
 /** @typedef {import("./materials.js").Materials} Materials */
 
-/** The printed board as a plate, half a square wider than what is printed, and the border of its zone. */
+/** The printed board as a plate, a little wider than what is printed, and the border of its zone. */
 export function makeBoard(/** @type {any} */ board, /** @type {Materials} */ materials) {
-  const [width, height] = [board.columns + 2, board.rows + 2].map((count) => count * board.square_m);
-  const thickness = 0.15 * board.square_m;
+  const [width, height] = board.size_m.map((/** @type {number} */ side) => side + board.spacing_m);
+  const thickness = 0.15 * board.spacing_m;
   const plate = new BoxGeometry(width, height, thickness).translate(0, 0, -thickness / 2);
-  const group = new Group().add(new Mesh(plate, materials.boardLight), new Mesh(darkSquares(board), materials.boardDark));
+  const group = new Group().add(new Mesh(plate, materials.boardLight), new Mesh(polygons(board.pattern_m), materials.boardDark));
   if (board.zone_m) group.add(new LineSegments(rectangle(board.zone_m[0], board.zone_m[1]), materials.zone));
   place(group, board.pose);
   return group;
