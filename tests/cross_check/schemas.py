@@ -29,6 +29,8 @@ LINES = [
     "certify out/plan.json",
     "explain out/plan.json --most 12 --spares 1",
     "polish out/plan.json --cycles 1",
+    f"plan {PROBLEM} -o robust --trials 0 --set robust.mount_rotation_deg=1",
+    "explain robust/plan.json --most 9 --spares 0",
     f"next out/plan.json {CORNERS} -k 2",
     f"compare {PROBLEM} -k 9 --seeds 1 --limit 20 --trials 2",
     f"calibrate {CORNERS} --problem {PROBLEM} -o camera",
