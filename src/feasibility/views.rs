@@ -107,6 +107,15 @@ impl<'a> Checks<'a> {
         }
     }
 
+    /// The same tests of a robot, camera and board that are elsewhere or otherwise than those they were prepared for, but of the same
+    /// bodies and points.
+    pub(crate) fn of_moved<'b>(&self, robot: &'b Robot, camera: &'b Camera, target: &'b Target) -> Checks<'b>
+    where
+        'a: 'b,
+    {
+        Checks { robot, camera, target, ..self.clone() }
+    }
+
     /// Whether there are bodies, that may collide or hide corners.
     pub fn has_bodies(&self) -> bool {
         !self.occlusion.is_empty()

@@ -103,7 +103,7 @@ impl Problem {
         (1..count).map(|draw| self.drawn(self.selection.seed, draw)).collect()
     }
 
-    /// The set-up as it may be by draw `draw` from the uncertainty stated, and itself without one: intrinsics, mount, the board's place
+    /// The set-up as it may be by draw `draw`, counted from 1, from the uncertainty stated, and itself without one: intrinsics, mount, the board's place
     /// and the joints' zeros are others. The same seed and draw give the same.
     #[must_use]
     pub fn drawn(&self, seed: u64, draw: usize) -> Problem {
@@ -129,8 +129,9 @@ impl Problem {
             JointKind::Prismatic => uncertainty.prismatic_zero,
         });
         let zeros: Vec<f64> = joints.map(&mut normal).collect();
-        for &(i, deviation) in &uncertainty.intrinsics {
-            θ[i] += normal(deviation);
+        for (i, θ) in θ.iter_mut().enumerate() {
+            let stated = uncertainty.intrinsics.iter().find(|&&(index, _)| index == i);
+            *θ += normal(stated.map_or(0.0, |&(_, deviation)| deviation));
         }
         // A camera that cannot be, at deviations of the size of the values, is left as it is.
         if let Ok(camera) = self.camera.with_intrinsics(&θ) {
@@ -140,9 +141,7 @@ impl Problem {
         drawn.robot.move_zeros(&zeros);
         // The arm moves against the board, so that what the board lies on stays under it.
         let X_BT = self.target.X_BT;
-        if let Some(first) = drawn.robot.chain.stages.first_mut() {
-            first.X_PJ = X_BT * board.inverse() * X_BT.inverse() * first.X_PJ;
-        }
+        drawn.robot.move_arm(&(X_BT * board.inverse() * X_BT.inverse()));
         drawn
     }
 }

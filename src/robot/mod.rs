@@ -85,6 +85,22 @@ impl Robot {
         self.joints_without_bodies().count() < self.chain.dof()
     }
 
+    /// Moves the arm, from the link on that hangs on the one that carries the board, by `X_BB` in the base frame.
+    pub(crate) fn move_arm(&mut self, X_BB: &Pose) {
+        if let Some(first) = self.chain.stages.first_mut() {
+            first.X_PJ = X_BB * first.X_PJ;
+        }
+        let links = &mut self.tree.links;
+        let mut link = self.camera_link;
+        while let Some(parent) = links[link].parent {
+            if parent == self.board_link {
+                links[link].X_PJ = X_BB * links[link].X_PJ;
+                break;
+            }
+            link = parent;
+        }
+    }
+
     /// Moves the joints' zeros by so much (rad or m, one per joint): at joint values q the robot stands as it did at `q + zeros`.
     pub(crate) fn move_zeros(&mut self, zeros: &[f64]) {
         let stages = self.chain.stages.iter_mut().map(|stage| &mut stage.motion);

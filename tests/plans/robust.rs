@@ -4,11 +4,11 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use calipose::information::Criterion;
-use calipose::plan::assess::certify;
-use calipose::plan::choose::{Chooser, decide};
-use calipose::plan::document::Plan;
+use calipose::plan::assess::{ExplainSettings, PolishSettings, certify, explain, polish};
+use calipose::plan::choose::{Chooser, decide, refined_survey};
+use calipose::plan::document::{Plan, TrialDocument, WorstLoss};
 use calipose::plan::survey::{Survey, SurveyError, Trial, survey};
-use calipose::problem::{Goal, Method, Overrides, Problem, RobustGoal};
+use calipose::problem::{Goal, Method, Overrides, PoseConstraints, Problem, RobustGoal};
 use nalgebra::DMatrix;
 
 /// A robot put together by hand.
@@ -66,6 +66,68 @@ fn the_worst_is_better_by_the_worst_and_the_mean_by_the_mean() {
     let product = |map_errors: &[f64]| map_errors.iter().product::<f64>();
     assert!(greatest(&worst) < greatest(&mean), "{worst:?} {mean:?}");
     assert!(product(&mean) < product(&worst), "{worst:?} {mean:?}");
+}
+
+/// What is known beforehand counts in every scenario, and refined configurations are views there too.
+#[test]
+#[ignore = "slow: in the full set, `cargo test -- --ignored`"]
+fn robust_plans_know_views_taken_priors_and_refined_configurations() {
+    let problem = problem(&[
+        ASSEMBLED,
+        "constraints.captured=[[-34.2, 3.6, -156.9, 0.0], [-14.2, 83.6, -136.9, 0.0]]",
+        "estimate.prior_sigma={ cx = 10, k1 = 0.05 }",
+        "sweep.refine=1",
+        "sweep.refine_sample=300",
+        "selection.count=7",
+    ]);
+    let survey = refined_survey(&problem, &|_| {}).unwrap();
+    assert!(survey.refined > 0 && survey.scenarios.len() == 2);
+    assert!(survey.scenarios.iter().all(|scenario| scenario.information.len() == survey.views.len()));
+    let plan = plan(&problem, &survey);
+    certify(&plan, &problem, &survey).unwrap();
+    let nothing = Problem { constraints: PoseConstraints::default(), ..problem.clone() };
+    assert!(certify(&plan, &nothing, &survey).is_err(), "the views taken count");
+}
+
+/// A pose that may not be lost cannot be said to be one that may: a single view of a plane leaves a pinhole camera open.
+#[test]
+fn a_changed_loss_of_an_indispensable_pose_is_noticed() {
+    let problem = problem(&[
+        "camera.distortion={model=\"none\"}",
+        "estimate.intrinsics=[\"fx\", \"fy\", \"cx\", \"cy\"]",
+        "selection.count=3",
+    ]);
+    let survey = survey(&problem, &|_| {}).unwrap();
+    let plan = plan(&problem, &survey);
+    certify(&plan, &problem, &survey).unwrap();
+    let loss = plan.worst_loss.clone().unwrap();
+    assert_eq!(loss.map_error_px, None);
+    let mut changed = plan.clone();
+    changed.worst_loss = Some(WorstLoss { map_error_px: Some(2.5), ..loss });
+    assert!(certify(&changed, &problem, &survey).is_err());
+}
+
+/// A polished plan is a view in the scenarios and never worse; `explain` tells the price.
+#[test]
+#[ignore = "slow: in the full set, `cargo test -- --ignored`"]
+fn robust_plans_are_polished_and_explained() {
+    let problem = problem(&[ASSEMBLED, "selection.count=7"]);
+    let survey = survey(&problem, &|_| {}).unwrap();
+    let plan = plan(&problem, &survey);
+    let (chooser, selected) = plan.locate(&problem, &survey).unwrap();
+    let settings = PolishSettings { cycles: 2, ..PolishSettings::default() };
+    let polished = polish(&problem, &chooser, &selected, &settings, &mut |_| {}).unwrap();
+    assert!(polished.log_value > polished.grid_log_value);
+    let document = polished.document(&problem, &chooser, &plan);
+    let scenarios = &document.robust.as_ref().unwrap().scenarios;
+    assert!(scenarios.iter().flat_map(|scenario| &scenario.views).filter(|view| view.is_none()).count() <= 2);
+    let settings = ExplainSettings { most: 8, spares: 1 };
+    let price = explain(&problem, &chooser, &selected, &settings, &|_| {}).unwrap().robust.unwrap();
+    assert_eq!(price.ids.len(), 7);
+    assert!(price.map_error_as_stated_px.unwrap() < plan.map_error_px);
+    let least = |trial: &TrialDocument| trial.seen.iter().copied().fold(1.0, f64::min);
+    assert!(least(&price.plan) > least(&price.as_stated));
+    assert_eq!(price.plan, plan.robust.unwrap().trial);
 }
 
 /// A plan for accuracies reaches them in every scenario.
@@ -130,6 +192,12 @@ fn set_ups_are_drawn_as_stated() {
     let board = |problem: &Problem| X_CT(&stated).inverse() * X_CT(problem);
     near(deviation(&|p| board(p).translation.vector.norm() / 3f64.sqrt(), "robust.board_translation_mm=4"), 0.004);
     near(deviation(&|p| board(p).rotation.angle() / 3f64.sqrt(), "robust.board_rotation_deg=1"), 1f64.to_radians());
+    // It moves the bodies of the arm too, against the board's own and what it lies on.
+    let off_board = drawn("robust.board_translation_mm=4", 3);
+    let (links, as_stated) = (off_board.robot.tree.link_poses(&q), stated.robot.tree.link_poses(&q));
+    let camera = links[off_board.robot.camera_link] * off_board.robot.X_FC;
+    assert!((off_board.robot.camera_pose(&q).inverse() * camera).translation.vector.norm() < 1e-12);
+    assert_eq!(links[0], as_stated[0]);
     // A joint's zero moves arm and bodies alike.
     let off = drawn("robust.joint_zero_deg=1", 3);
     let (links, as_stated) = (off.robot.tree.link_poses(&q), stated.robot.tree.link_poses(&q));
@@ -141,6 +209,8 @@ fn set_ups_are_drawn_as_stated() {
     // The first draws are the same whatever is drawn after them.
     let both = drawn("robust={focal_length_percent=4, joint_zero_deg=1}", 3);
     assert_eq!(both.camera, drawn("robust.focal_length_percent=4", 3).camera);
+    let k2 = |set: &str| drawn(set, 3).camera.intrinsics()[5];
+    assert_eq!(k2("robust.intrinsics={k2=0.01}"), k2("robust.intrinsics={k1=0.1, k2=0.01}"));
     assert_eq!(both.robot, off.robot);
     assert_ne!(both.camera, drawn("robust.focal_length_percent=4", 4).camera);
     assert_eq!(both.robust, None);
@@ -151,4 +221,7 @@ fn set_ups_in_which_nothing_is_seen_leave_no_views() {
     let problem = problem(&["robust={mount_rotation_deg=60}"]);
     let Err(SurveyError::NothingCertain { views, .. }) = survey(&problem, &|_| {}) else { panic!("there are views") };
     assert!(views > 100, "{views}");
+    let problem = self::problem(&["robust={mount_rotation_deg=25, scenarios=8, draws=20, seen_share=0.1}"]);
+    let Err(SurveyError::BlindScenario { scenario, .. }) = survey(&problem, &|_| {}) else { panic!("all see") };
+    assert!((1..8).contains(&scenario), "{scenario}");
 }

@@ -8,8 +8,8 @@ use crate::cli::arguments::ProblemArguments;
 use crate::cli::long_work::sweeping;
 use crate::cli::output::failure::Failure;
 use crate::cli::output::{Screen, grouped, table, wrapped};
-use crate::feasibility::feasible_views;
 use crate::plan::document::{SweepCounts, SweepDocument};
+use crate::plan::survey::certain_views;
 use crate::sweep::sweep;
 
 #[derive(Debug, Args)]
@@ -45,7 +45,7 @@ pub(crate) fn run(arguments: &SweepArguments, screen: &mut Screen) -> Result<(),
             sweep(&problem.robot, &problem.target, &problem.space, problem.axis, observe)
         });
         let seconds = start.elapsed().as_secs_f64();
-        let (views, rejected) = feasible_views(&problem.checks(), &problem.space, &found.candidates);
+        let (views, rejected) = certain_views(problem, &problem.checks(), &found.candidates);
         let in_zone = found.inside + found.edge;
         let published = step
             .and_then(|step| problem.published.iter().find(|published| (published.step - step).abs() < 1e-9 * step));

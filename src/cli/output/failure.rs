@@ -295,7 +295,7 @@ fn plan_help(error: &PlanError) -> String {
         PlanError::Survey(SurveyError::NoCandidates { diagnosis, .. } | SurveyError::NoViews { diagnosis, .. }) => {
             return diagnosis.to_string();
         }
-        PlanError::Survey(SurveyError::NothingCertain { .. }) => {
+        PlanError::Survey(SurveyError::NothingCertain { .. } | SurveyError::BlindScenario { .. }) => {
             "state smaller deviations in [robust], lower robust.seen_share, or relax the limits of [visibility]"
         }
         PlanError::Survey(SurveyError::PoseUndetermined { .. }) => "use a board with more corners",

@@ -123,7 +123,8 @@ fn bound_by(chooser: &Chooser, count: usize, certificate: &Certificate) -> f64 {
 fn planned(place: &Place, chooser: &Chooser, survey: &Survey, choice: &Choice, certificate: Certificate) -> Planned {
     let nearest = choice.selected.iter().map(|&i| survey.views[i].distance()).fold(f64::INFINITY, f64::min);
     let criteria = chooser.problem().selection.goal.criteria();
-    let is_of_map_error = matches!(criteria[..], [(Criterion::V, _)]);
+    // Of several scenarios the bound is of their mean or of the worst.
+    let is_of_map_error = matches!(criteria[..], [(Criterion::V, _)]) && chooser.problem().robust.is_none();
     let bound = chooser.natural(certificate.log_bound);
     Planned {
         place: place.clone(),

@@ -2,12 +2,12 @@
 
 use rayon::prelude::*;
 
-use crate::plan::choose::{Choice, Chooser, PlanError};
+use crate::plan::choose::{Choice, Chooser, PlanError, refined_survey};
 use crate::plan::document::{
     CombinationTerm, CurvePoint, Document, Explanation, LeastKnown, PoseExplanation, ProblemReference, RobustnessPrice,
     SparePose, Suffering, TrialDocument, finite, joints_deg,
 };
-use crate::plan::survey::{Survey, Trial, survey};
+use crate::plan::survey::{Survey, Trial};
 use crate::problem::Problem;
 use crate::selection::packed::inverse;
 use crate::selection::{RelaxationSettings, SelectionError, Spare, improved_greedy, relax, spares};
@@ -162,7 +162,7 @@ fn price(problem: &Problem, chooser: &Chooser, plan: &Choice) -> Result<Option<R
         return Ok(None);
     }
     let stated = Problem { robust: None, ..problem.clone() };
-    let survey = survey(&stated, &|_| {})?;
+    let survey = refined_survey(&stated, &|_| {})?;
     let (best, _) = Chooser::new(&stated, &survey)?.best(plan.selected.len(), problem.selection.seed)?;
     let known = chooser.information(&[]);
     let tried = |survey: &Survey, selected: &[usize]| {
@@ -224,6 +224,7 @@ mod tests {
     use crate::information::Criterion;
     use crate::plan::choose::decide;
     use crate::plan::document::Plan;
+    use crate::plan::survey::survey;
     use crate::problem::{Accuracy, Goal, Method, Overrides};
 
     fn coarse() -> Problem {

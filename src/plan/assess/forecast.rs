@@ -156,7 +156,9 @@ pub fn forecast(problem: &Problem, trials: usize) -> Forecast {
 /// Bytes at most: the candidates' numbers, the views and what they teach, while they are gathered twice.
 fn bytes(problem: &Problem, candidates: f64, views: f64) -> f64 {
     let p = problem.estimated.len();
-    let numbers = problem.robot.chain.dof() + p * (p + 1) / 2 * (1 + problem.selection.goal.criteria().len());
+    let scenarios = problem.robust.as_ref().map_or(1, |robust| robust.scenarios);
+    let numbers =
+        problem.robot.chain.dof() + p * (p + 1) / 2 * (1 + problem.selection.goal.criteria().len()) * scenarios;
     let seen = problem.visibility.min_corners.map_or(0, |_| problem.target.board.corner_count());
     let view = size_of::<View>() + 8 * (numbers + seen) + 32;
     PROGRAM + candidates * 16.0 + 2.0 * views * view as f64

@@ -193,11 +193,11 @@ impl Setting<'_> {
         Some((view, information))
     }
 
-    /// Whether it is a view in as many of the scenarios as swept ones must be of all draws.
+    /// Whether it is a view in about as many of the scenarios as swept ones must be of all draws.
     fn is_certain(&self, view: &View) -> bool {
         let Some(robust) = &self.problem.robust else { return true };
         let seen = self.scenes.iter().filter(|scene| scene.view(view).is_some()).count();
-        seen as f64 >= robust.seen_share * self.scenes.len() as f64 - 1e-9
+        seen as f64 >= (robust.seen_share * self.scenes.len() as f64).round()
     }
 
     /// First steps of the simplex along the joints.

@@ -39,7 +39,7 @@ impl<'a> Chooser<'a> {
     pub fn new(problem: &'a Problem, survey: &'a Survey) -> Result<Self, PlanError> {
         let mut known = vec![Known::as_stated(problem)?];
         for scenario in &survey.scenarios {
-            known.push(Known::as_drawn(&scenario.problem)?);
+            known.push(Known::as_drawn(problem, &scenario.problem));
         }
         let objective = match &problem.selection.goal {
             Goal::Best { criteria, .. } => Objective::new(problem, survey, criteria, &known)?,
@@ -183,15 +183,26 @@ impl<'a> Chooser<'a> {
         Ok((self.assess(found.best.selected.clone()), found))
     }
 
-    /// The accuracies that the problem requests, in its order, and what a choice reaches.
+    /// The accuracies that the problem requests, in its order, and what a choice reaches, in the worst scenario.
     pub(crate) fn reached(&self, choice: &Choice) -> Vec<Reached> {
         let names = self.problem.unknowns().names();
-        let reached = |&(accuracy, requested): &(Accuracy, f64)| match accuracy {
-            Accuracy::MapError => Reached { name: Accuracy::MAP_ERROR.into(), requested, reached: choice.map_error },
-            Accuracy::Intrinsic(j) => {
-                let reached = choice.sigma.get(j).copied().unwrap_or(f64::INFINITY);
-                Reached { name: names[j].into(), requested, reached }
-            }
+        let mut everywhere = vec![(choice.sigma.clone(), choice.map_error)];
+        for (scenario, known) in self.survey.scenarios.iter().zip(&self.known[1..]) {
+            let mut total = scenario.information.total(&pack(&known.information), &choice.selected);
+            let M = unpack(&total, known.information.nrows());
+            let log_value = InformationFunction::variance(&scenario.map_weight).log_value(&mut total, M.nrows());
+            everywhere.push((sigmas(&M), (-0.5 * log_value).exp()));
+        }
+        let reached = |&(accuracy, requested): &(Accuracy, f64)| {
+            let name = match accuracy {
+                Accuracy::MapError => Accuracy::MAP_ERROR,
+                Accuracy::Intrinsic(j) => names[j],
+            };
+            let of = |(sigma, map_error): &(Vec<f64>, f64)| match accuracy {
+                Accuracy::MapError => *map_error,
+                Accuracy::Intrinsic(j) => sigma.get(j).copied().unwrap_or(f64::INFINITY),
+            };
+            Reached { name: name.into(), requested, reached: everywhere.iter().map(of).fold(0.0, f64::max) }
         };
         self.problem.selection.goal.accuracies().iter().map(reached).collect()
     }
@@ -298,11 +309,7 @@ impl<'a> Chooser<'a> {
 
     /// Standard deviations and map error by the p×p information M on the intrinsics, as in a [`Choice`].
     pub(crate) fn accuracy(&self, M: &DMatrix<f64>) -> (Vec<f64>, f64) {
-        let sigma = match inverse(M) {
-            Some(covariance) => covariance.diagonal().iter().map(|variance| variance.sqrt()).collect(),
-            None => vec![],
-        };
-        (sigma, (-0.5 * self.map_error.log_value(&mut pack(M), M.nrows())).exp())
+        (sigmas(M), (-0.5 * self.map_error.log_value(&mut pack(M), M.nrows())).exp())
     }
 
     /// Standard deviations and map error of `views`, with those taken already, if the corners, which scatter unequally, are all given one weight: what OpenCV's
@@ -346,4 +353,10 @@ impl<'a> Chooser<'a> {
             other => PlanError::Selection(other),
         }
     }
+}
+
+/// Standard deviations by the p×p information M; empty if it leaves an intrinsic undetermined.
+fn sigmas(M: &DMatrix<f64>) -> Vec<f64> {
+    inverse(M)
+        .map_or_else(Vec::new, |covariance| covariance.diagonal().iter().map(|variance| variance.sqrt()).collect())
 }

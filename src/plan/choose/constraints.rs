@@ -149,23 +149,25 @@ impl Known {
         let unseen = |view| ConstraintError::CapturedUnseen { view: view + 1 };
         let captured: Result<Vec<_>, _> =
             views.map(|(view, q)| Captured::new(problem, q).ok_or_else(|| unseen(view))).collect();
-        Self::new(problem, captured?)
+        Ok(Self::new(problem, problem, captured?))
     }
 
-    /// In a set-up that may be, in which a view taken may not see the board; it says nothing then.
-    pub(crate) fn as_drawn(problem: &Problem) -> Result<Self, ConstraintError> {
-        Self::new(problem, problem.constraints.captured.iter().filter_map(|q| Captured::new(problem, q)).collect())
+    /// The same in a set-up that may be, in which a view taken may not see the board; it says nothing then.
+    pub(crate) fn as_drawn(problem: &Problem, drawn: &Problem) -> Self {
+        let views = problem.constraints.captured.iter().filter_map(|q| Captured::new(drawn, q)).collect();
+        Self::new(problem, drawn, views)
     }
 
-    fn new(problem: &Problem, captured: Vec<Captured>) -> Result<Self, ConstraintError> {
-        let measurement = problem.measurement();
+    fn new(problem: &Problem, set_up: &Problem, captured: Vec<Captured>) -> Self {
+        let measurement = set_up.measurement();
         let mut information = stated(problem);
         let p = information.nrows();
-        for (view, Captured { X_CT, seen }) in captured.iter().enumerate() {
-            let told = measurement.information(X_CT, seen);
-            information += unpack(&told.ok_or(ConstraintError::CapturedUnseen { view: view + 1 })?, p);
+        for Captured { X_CT, seen } in &captured {
+            if let Some(told) = measurement.information(X_CT, seen) {
+                information += unpack(&told, p);
+            }
         }
-        Ok(Self { captured, information })
+        Self { captured, information }
     }
 }
 
@@ -181,6 +183,7 @@ impl Captured {
         let printed_side = (X_CT.rotation * Vector3::z()).dot(&X_CT.translation.vector) < 0.0;
         let seen: Vec<usize> = (0..corners.len()).filter(|&i| is_told[i] && in_image(&corners[i])).collect();
         let enough = printed_side && seen.len() >= visibility.min_corners.unwrap_or(corners.len());
+        let enough = enough && target.board.fix_homography(&seen);
         let seen = if seen.len() == corners.len() { Corners::All } else { Corners::Some(seen) };
         enough.then_some(Self { X_CT, seen })
     }

@@ -77,6 +77,8 @@ impl Source {
 struct SetUp<'a> {
     scenario: usize,
     problem: &'a Problem,
+    /// The set-up as stated.
+    stated: &'a Problem,
     /// The views of the set-up as stated.
     views: &'a [View],
     information: &'a InformationSet,
@@ -87,15 +89,12 @@ impl<'a> SetUp<'a> {
     /// The set-up as stated, and the scenarios.
     fn all(problem: &'a Problem, survey: &'a Survey) -> impl Iterator<Item = Self> {
         let Survey { views, information, map_weight, scenarios, .. } = survey;
-        let stated = Self { scenario: 0, problem, views, information, map_weight };
-        let drawn = scenarios.iter().zip(1..).map(|(Scenario { problem, information, map_weight }, scenario)| Self {
-            scenario,
-            problem,
-            views,
-            information,
-            map_weight,
-        });
-        std::iter::once(stated).chain(drawn)
+        let as_stated = Self { scenario: 0, problem, stated: problem, views, information, map_weight };
+        let drawn =
+            scenarios.iter().zip(1..).map(move |(Scenario { problem: drawn, information, map_weight }, scenario)| {
+                Self { scenario, problem: drawn, stated: problem, views, information, map_weight }
+            });
+        std::iter::once(as_stated).chain(drawn)
     }
 
     /// The views as they are here; none where they are no views.
@@ -103,7 +102,8 @@ impl<'a> SetUp<'a> {
         if self.scenario == 0 {
             return self.views.iter().cloned().map(Some).collect();
         }
-        let scene = Scene::new(self.problem);
+        let stated = Scene::new(self.stated);
+        let scene = stated.of_drawn(self.problem);
         self.views.par_iter().map(|view| scene.view(view)).collect()
     }
 }

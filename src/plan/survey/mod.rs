@@ -84,6 +84,14 @@ pub enum SurveyError {
         /// Set-ups drawn.
         draws: usize,
     },
+    /// In a scenario nothing is seen.
+    #[error("in scenario {scenario} of those drawn from `robust` none of the {} views is a view", grouped(*views))]
+    BlindScenario {
+        /// The scenario, from 1; the set-up as stated is 0.
+        scenario: usize,
+        /// Views to choose from.
+        views: usize,
+    },
     /// A view's pose is not determined by its own corners.
     #[error("the corners of the {board} do not determine its pose in the image")]
     PoseUndetermined {
@@ -150,7 +158,8 @@ pub(crate) fn candidates(problem: &Problem, observe: &(dyn Fn(usize) + Sync)) ->
     Ok(sweep)
 }
 
-/// The second stage: those that are views. It depends, beside the first, on camera, limits of visibility, clearance and stability.
+/// The second stage: those that are views. It depends, beside the first, on camera, limits of visibility, clearance,
+/// stability, and what the plan must withstand.
 pub(crate) fn feasible(problem: &Problem, sweep: &Sweep) -> Result<Feasible, SurveyError> {
     let space = &problem.space;
     let checks = problem.checks();
@@ -188,7 +197,12 @@ pub(crate) fn certain_views(
 /// The third stage: what the views would teach, which depends on the noise and on what is estimated too.
 pub(crate) fn weighed(problem: &Problem, sweep: Sweep, feasible: Feasible) -> Result<Survey, SurveyError> {
     let Feasible { views, rejected, links } = feasible;
-    Ok(Survey { sweep, rejected, links, ..Survey::of(problem, views)? })
+    let survey = Survey { sweep, rejected, links, ..Survey::of(problem, views)? };
+    let is_blind = |scenario: &Scenario| scenario.information.mean().iter().all(|&entry| entry == 0.0);
+    match survey.scenarios.iter().position(is_blind) {
+        Some(scenario) => Err(SurveyError::BlindScenario { scenario: scenario + 1, views: survey.views.len() }),
+        None => Ok(survey),
+    }
 }
 
 impl Survey {
@@ -199,10 +213,9 @@ impl Survey {
 
     /// The set-up as stated, and the scenarios, ready to look at views.
     pub(crate) fn scenes<'a>(&'a self, problem: &'a Problem) -> Vec<Scene<'a>> {
-        std::iter::once(problem)
-            .chain(self.scenarios.iter().map(|scenario| &scenario.problem))
-            .map(Scene::new)
-            .collect()
+        let stated = Scene::new(problem);
+        let drawn: Vec<Scene> = self.scenarios.iter().map(|scenario| stated.of_drawn(&scenario.problem)).collect();
+        std::iter::once(stated).chain(drawn).collect()
     }
 
     /// The survey of these views alone, wherever they come from.

@@ -28,6 +28,7 @@ const TOGETHER: usize = 16;
 pub(super) fn certain(problem: &Problem, views: Vec<View>) -> Vec<View> {
     let Some(Robustness { draws, seen_share, .. }) = problem.robust else { return views };
     let most_missed = draws - (seen_share * draws as f64 - 1e-9).ceil() as usize;
+    let stated = Scene::new(problem);
     // The stated set-up is the first draw.
     let mut left: Vec<(View, usize)> = views.into_iter().map(|view| (view, 0)).collect();
     let mut draw = 1;
@@ -38,8 +39,8 @@ pub(super) fn certain(problem: &Problem, views: Vec<View>) -> Vec<View> {
             .into_par_iter()
             .map(|draw| {
                 let drawn = problem.drawn(problem.selection.seed, draw);
-                let checks = drawn.checks();
-                left.par_iter().map(|(view, _)| checks.view(view.id, view.q.clone()).is_err()).collect()
+                let scene = stated.of_drawn(&drawn);
+                left.par_iter().map(|(view, _)| scene.view(view).is_none()).collect()
             })
             .collect();
         for missed in missed {
@@ -59,11 +60,16 @@ impl Scenario {
     /// # Errors
     /// When a view's pose is not determined by its own corners.
     pub(super) fn all(problem: &Problem, views: &[View]) -> Result<Vec<Self>, SurveyError> {
-        problem.scenarios().into_iter().map(|scenario| Self::new(scenario, views)).collect()
+        let scenarios = problem.scenarios();
+        if scenarios.is_empty() {
+            return Ok(vec![]);
+        }
+        let stated = Scene::new(problem);
+        scenarios.into_iter().map(|scenario| Self::new(&stated, scenario, views)).collect()
     }
 
-    fn new(problem: Problem, views: &[View]) -> Result<Self, SurveyError> {
-        let scene = Scene::new(&problem);
+    fn new(stated: &Scene, problem: Problem, views: &[View]) -> Result<Self, SurveyError> {
+        let scene = stated.of_drawn(&problem);
         let nothing = vec![0.0; packed_len(problem.estimated.len())];
         let information = views.par_iter().map(|view| match scene.view(view) {
             Some(view) => scene.measurement.information(&view.X_CT, &view.seen),
@@ -72,7 +78,7 @@ impl Scenario {
         let information = information.collect::<Option<Vec<_>>>().ok_or_else(|| SurveyError::undetermined(&problem))?;
         let information = InformationSet::from_packed_trusted(problem.estimated.len(), information.concat());
         let map_weight = problem.unknowns().map_error_weight();
-        Ok(Self { information, map_weight, problem })
+        Ok(Self { problem, information, map_weight })
     }
 }
 
@@ -84,8 +90,18 @@ pub(crate) struct Scene<'a> {
 }
 
 impl<'a> Scene<'a> {
+    /// The set-up as stated.
     pub(crate) fn new(problem: &'a Problem) -> Self {
         Self { checks: problem.checks(), measurement: problem.measurement() }
+    }
+
+    /// One that was [drawn](Problem::drawn) from it.
+    pub(crate) fn of_drawn<'b>(&self, drawn: &'b Problem) -> Scene<'b>
+    where
+        'a: 'b,
+    {
+        let Problem { robot, camera, target, .. } = drawn;
+        Scene { checks: self.checks.of_moved(robot, camera, target), measurement: drawn.measurement() }
     }
 
     /// What the configuration of a view shows here; `None` if it is no view.

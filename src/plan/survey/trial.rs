@@ -20,15 +20,16 @@ impl Trial {
     /// Number of set-ups.
     pub const SET_UPS: usize = 1000;
 
-    /// The trial of `views` of the set-up as stated, with what is known of the intrinsics there, p×p; `None` where no robustness is
+    /// The trial of `views` of the set-up as stated, with what is known of the intrinsics there, p×p, in all of them; `None` where no robustness is
     /// asked for.
     pub fn of(problem: &Problem, views: &[View], known: &DMatrix<f64>) -> Option<Self> {
         let Robustness { draws, .. } = problem.robust.as_ref()?;
+        let stated = Scene::new(problem);
         let outcomes: Vec<(Vec<bool>, f64)> = (0..Self::SET_UPS)
             .into_par_iter()
             .map(|n| {
                 let drawn = problem.drawn(problem.selection.seed, draws + n);
-                let scene = Scene::new(&drawn);
+                let scene = stated.of_drawn(&drawn);
                 let seen: Vec<Option<View>> = views.iter().map(|view| scene.view(view)).collect();
                 let map_error = scene.map_error(&seen, known);
                 (seen.iter().map(Option::is_some).collect(), map_error)

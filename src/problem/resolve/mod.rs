@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use super::fault::{Allowed, Fault, Reason};
 use super::text::{At, Document, key};
 use super::{Problem, schema};
-use crate::camera::Camera;
+use crate::camera::{Camera, Lens};
 pub(crate) use check::Check;
 use check::SIZE;
 
@@ -51,7 +51,7 @@ pub(super) fn resolve(document: &Document, file: &schema::File, path: &Path) -> 
     let names: Vec<&str> =
         lens.map(|lens| estimated.iter().map(|&i| lens.parameter_names()[i]).collect()).unwrap_or_default();
     let prior_sigma = check.prior_sigma(&estimate, camera.as_ref(), &estimated, &names, noise.sigma);
-    let lens_names = lens.map(|lens| lens.parameter_names()).unwrap_or_default();
+    let lens_names = lens.map(Lens::parameter_names).unwrap_or_default();
     let robust = key!(file, robust).given();
     let selection = check.selection(&key!(file, selection), &names);
     let robust = robust.map(|robust| check.robust(&robust, lens_names, &selection.goal));

@@ -14,6 +14,7 @@ const PERCENT: Allowed = Allowed::between(0.0, 50.0);
 impl Check<'_, '_> {
     /// `names` are those of the lens's intrinsics.
     pub(super) fn robust(&mut self, robust: &At<schema::Robust>, names: &[&str], goal: &Goal) -> Robustness {
+        let faults = self.faults.len();
         let mut intrinsics = Vec::new();
         for (name, deviation) in key!(robust, intrinsics).entries() {
             let value = self.number(&deviation, Allowed::between(0.0, 1e6));
@@ -33,7 +34,7 @@ impl Check<'_, '_> {
             revolute_zero: self.angle(&key!(robust, joint_zero_deg), ANGLE),
             prismatic_zero: self.length(&key!(robust, joint_zero_mm), DEVIATION),
         };
-        if uncertainty.is_none() && robust.value.intrinsics.is_empty() {
+        if uncertainty.is_none() && self.faults.len() == faults {
             self.fault(&robust.path, Reason::NothingUncertain);
         }
         let stated = key!(robust, goal);
@@ -47,7 +48,7 @@ impl Check<'_, '_> {
             uncertainty,
             goal: stated.value.map_or(usual, |goal| goal.0),
             scenarios,
-            draws: self.count(&key!(robust, draws), Allowed::between(2.0, 1e5)).max(scenarios),
+            draws: self.count(&key!(robust, draws), Allowed::between(scenarios as f64, 1e5)),
             seen_share: self.number(&key!(robust, seen_share), Allowed::between(0.0, 1.0)),
         }
     }

@@ -129,7 +129,7 @@ impl Instance<'_> {
 
     /// The image of `M_i` under the root of the second derivative.
     ///
-    /// For one scenario `−D² log Φ_s[Δ, Δ] = ‖R_s Δ‖²`. Being homogeneous, Φ_s has `D log Φ_s[Δ] = ⟨û_s, R_s Δ⟩` with the unit vector
+    /// For one scenario `−D² log Φ_s[Δ, Δ] = ‖R_s Δ‖²`. Being homogeneous, `Φ_s` has `D log Φ_s[Δ] = ⟨û_s, R_s Δ⟩` with the unit vector
     /// `û_s = R_s M`, and so `−D²Φ_s[Δ, Δ] / Φ_s` is the square of `R_s Δ` less its part along `û_s`. The soft least adds its own.
     pub(crate) fn curve(&self, curvature: &InstanceCurvature, i: usize) -> Vec<f64> {
         let image = |b: usize| {

@@ -136,10 +136,11 @@ impl<'a> SetUp<'a> {
         let taken = captured(problem).enumerate();
         let taken = taken.map(|(view, seen)| seen.ok_or(CertifyError::CapturedUnseen { view: view + 1 }));
         let mut set_ups = vec![Self::new(problem, as_stated, taken.collect::<Result<_, _>>()?)?];
-        for Scenario { problem, .. } in &survey.scenarios {
-            let scene = Scene::new(problem);
+        let stated = Scene::new(problem);
+        for Scenario { problem: drawn, .. } in &survey.scenarios {
+            let scene = stated.of_drawn(drawn);
             let views = survey.views.par_iter().map(|view| scene.view(view).map(Cow::Owned)).collect();
-            set_ups.push(Self::new(problem, views, captured(problem).flatten().collect())?);
+            set_ups.push(Self::new(drawn, views, captured(drawn).flatten().collect())?);
         }
         Ok(set_ups)
     }

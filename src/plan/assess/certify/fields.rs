@@ -13,6 +13,9 @@ use crate::problem::{Goal, Method, Problem};
 /// Numbers of a pose agree to this: m, degrees, entries of a quaternion.
 const SAME_POSE: f64 = 1e-9;
 
+/// Numbers drawn agree to this share.
+const SAME_DRAW: f64 = 1e-12;
+
 /// A tilt near zero is known to no more than this, in degrees: its cosine is 1 there.
 const SAME_TILT: f64 = 1e-6;
 
@@ -72,18 +75,12 @@ pub(crate) fn is_that_pose(stated: &PlannedPose, found: &PlannedPose) -> Result<
 }
 
 /// What the plan says of its poses in a scenario.
-pub(crate) fn are_those_in_scenario(
-    stated: &ScenarioDocument,
-    found: &ScenarioDocument,
-    tolerance: f64,
-) -> Result<(), CertifyError> {
-    let ScenarioDocument { intrinsics, map_error_px, views } = stated;
-    let exactly = |what: &str, stated, found| near(what, stated, found, 0.0);
-    numbers("intrinsic of a scenario", intrinsics, &found.intrinsics, exactly)?;
-    alike("whether the map error of a scenario is known", &map_error_px.is_some(), &found.map_error_px.is_some())?;
-    if let (Some(stated), Some(found)) = (map_error_px, found.map_error_px) {
-        number("the map error of a scenario", *stated, found, tolerance)?;
-    }
+pub(crate) fn are_those_in_scenario(stated: &ScenarioDocument, found: &ScenarioDocument) -> Result<(), CertifyError> {
+    // The map error is of the poses together.
+    let ScenarioDocument { intrinsics, map_error_px: _, views } = stated;
+    // Draws may differ in the last digit from one machine's mathematics to another's.
+    let close = |what: &str, stated, found| number(what, stated, found, SAME_DRAW);
+    numbers("intrinsic of a scenario", intrinsics, &found.intrinsics, close)?;
     same("the number of views of a scenario", &views.len(), &found.views.len())?;
     for (stated, found) in views.iter().zip(&found.views) {
         let close = |what: &str, stated, found| near(what, stated, found, SAME_POSE);

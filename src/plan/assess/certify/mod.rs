@@ -18,7 +18,7 @@ use crate::feasibility::View;
 use crate::plan::document::{
     AccuracyDocument, CertificateDocument, Certified, CollisionDocument, Document, FewestDocument, Header, NotChecked,
     Plan, PlannedPose, ProblemReference, RobustnessDocument, ScenarioDocument, SearchDocument, SurveyCounts,
-    TrialDocument, WorstLoss, finite,
+    TrialDocument, WorstLoss,
 };
 use crate::plan::survey::{Survey, Trial};
 use crate::problem::{Accuracy, Problem};
@@ -32,6 +32,9 @@ use unchecked::{BY_SEARCH, EFFORT, MADE_BY};
 
 /// Numbers that are the same agree to this share, and to what rounding may have moved them beyond.
 const SAME: f64 = 1e-8;
+
+/// Where rounding may have moved a number by more than this share it is none.
+const SINGULAR: f64 = 1.0;
 
 /// Map errors of the set-ups tried agree to this share: some may be all but singular.
 const TRIED: f64 = 1e-6;
@@ -173,7 +176,9 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
 
     let mut least = None;
     if let Some(fewest) = fewest {
-        least = evidence.least(fewest, problem, &accuracies, selected.len(), value)?;
+        let everywhere = (0..=survey.scenarios.len()).map(|scenario| evidence.accuracies(scenario, &selected));
+        let everywhere = everywhere.collect::<Result<Vec<_>, _>>()?;
+        least = evidence.least(fewest, problem, &everywhere, selected.len(), value)?;
         if fewest.nodes > 0 {
             unchecked.extend(Unchecked::all(&["fewest.nodes"], EFFORT));
         }
@@ -203,9 +208,8 @@ impl Evidence<'_> {
 
     /// Checks which pose is said to be missed most.
     fn loses(&self, stated: Option<&WorstLoss>, survey: &Survey, selected: &[usize]) -> Result<(), CertifyError> {
-        let Some(WorstLoss { id, map_error_px }) = stated else {
-            return same("whether the worst loss of a pose is stated", &false, &(selected.len() > 1));
-        };
+        same("whether the worst loss of a pose is stated", &stated.is_some(), &(selected.len() > 1))?;
+        let Some(WorstLoss { id, map_error_px }) = stated else { return Ok(()) };
         let without = |&leaving: &usize| -> Result<_, CertifyError> {
             let others: Vec<usize> = selected.iter().copied().filter(|&i| i != leaving).collect();
             Ok((survey.views[leaving].id, self.accuracies(0, &others)?))
@@ -215,14 +219,12 @@ impl Evidence<'_> {
         let Some((_, worst)) = without.iter().find(is_stated) else {
             return Err(other("the pose whose loss is the worst", id, "one of the plan"));
         };
-        // Where rounding decides whether all is determined, it decides which loss is the worst.
-        let blurred = |accuracies: &Accuracies| !(accuracies.uncertainty <= MOST_ROUNDING);
-        let Some(map_error) = map_error_px.filter(|_| !blurred(worst)) else {
-            return same("whether a pose may be lost", &blurred(worst), &true);
-        };
-        number("the map error without a pose", map_error, worst.map_error, SAME + worst.uncertainty)?;
+        map_error_of("the map error without a pose", *map_error_px, worst)?;
+        let stated = map_error_px.unwrap_or(f64::INFINITY);
         let greater = without.iter().find(|(_, accuracies)| {
-            blurred(accuracies) || accuracies.map_error > map_error * (1.0 + SAME + accuracies.uncertainty)
+            let Accuracies { map_error, uncertainty, .. } = *accuracies;
+            let least = if uncertainty < SINGULAR { map_error * (1.0 - SAME - uncertainty) } else { f64::INFINITY };
+            least > stated
         });
         greater.map_or(Ok(()), |(greater, _)| Err(other("the pose whose loss is the worst", id, greater)))
     }
@@ -249,10 +251,9 @@ impl Evidence<'_> {
         let scenes = survey.scenes(problem);
         same("the number of scenarios", &stated_scenarios.len(), &scenes.len())?;
         for (scenario, (stated, scene)) in stated_scenarios.iter().zip(&scenes).enumerate() {
-            let Accuracies { map_error, uncertainty, .. } = self.accuracies(scenario, selected)?;
-            let found = finite(map_error);
+            map_error_of("the map error of a scenario", stated.map_error_px, &self.accuracies(scenario, selected)?)?;
             let seen: Vec<_> = views.iter().map(|view| scene.view(view)).collect();
-            are_those_in_scenario(stated, &ScenarioDocument::new(scene, &seen, found), SAME + uncertainty)?;
+            are_those_in_scenario(stated, &ScenarioDocument::new(scene, &seen, None))?;
         }
         let TrialDocument { set_ups, seen, median_map_error_px, map_error_of_99_percent_px, worst_map_error_px } =
             stated;
@@ -279,13 +280,13 @@ impl Evidence<'_> {
         Ok(bound)
     }
 
-    /// Checks that the poses reach the accuracies that the problem requests and that fewer are proven not to; the least
+    /// Checks that the poses reach the accuracies that the problem requests, which are stated as they are in the worst scenario, and that fewer are proven not to; the least
     /// number that may, where a matrix alone proves it.
     fn least(
         &self,
         stated: &FewestDocument,
         problem: &Problem,
-        accuracies: &Accuracies,
+        accuracies: &[Accuracies],
         poses: usize,
         value: Rounded,
     ) -> Result<Option<usize>, CertifyError> {
@@ -296,14 +297,20 @@ impl Evidence<'_> {
         }
         let names = problem.unknowns().names();
         for (AccuracyDocument { name, requested, reached }, (accuracy, asked)) in stated.iter().zip(asked) {
-            let (asked_name, found) = match *accuracy {
-                Accuracy::MapError => (Accuracy::MAP_ERROR, accuracies.map_error),
-                Accuracy::Intrinsic(j) => (names[j], accuracies.sigma[j]),
+            let asked_name = match *accuracy {
+                Accuracy::MapError => Accuracy::MAP_ERROR,
+                Accuracy::Intrinsic(j) => names[j],
             };
+            let of = |accuracies: &Accuracies| match *accuracy {
+                Accuracy::MapError => accuracies.map_error,
+                Accuracy::Intrinsic(j) => accuracies.sigma[j],
+            };
+            let found = accuracies.iter().map(of).fold(0.0, f64::max);
+            let uncertainty = accuracies.iter().map(|accuracies| accuracies.uncertainty).fold(0.0, f64::max);
             if name != asked_name || requested != asked {
                 return Err(CertifyError::Requests);
             }
-            number(&format!("the accuracy reached of {name}"), *reached, found, SAME + accuracies.uncertainty)?;
+            number(&format!("the accuracy reached of {name}"), *reached, found, SAME + uncertainty)?;
         }
         if value.log < -SAME - value.uncertainty {
             return Err(CertifyError::Accuracy { value: self.natural(value.log) });
@@ -325,6 +332,19 @@ impl Evidence<'_> {
             return Err(CertifyError::Refutation { count });
         }
         Ok(refutes.then_some(*least))
+    }
+}
+
+/// Checks a map error that a plan gives as none where the intrinsics are undetermined.
+fn map_error_of(what: &str, stated: Option<f64>, found: &Accuracies) -> Result<(), CertifyError> {
+    let Accuracies { map_error, uncertainty, .. } = *found;
+    match stated {
+        Some(stated) if uncertainty < SINGULAR => number(what, stated, map_error, SAME + uncertainty),
+        None if uncertainty > MOST_ROUNDING => Ok(()),
+        stated => {
+            let said = |is: bool| if is { "a number" } else { "none" };
+            Err(other(what, said(stated.is_some()), said(stated.is_none())))
+        }
     }
 }
 

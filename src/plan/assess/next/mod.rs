@@ -14,7 +14,7 @@ use crate::plan::choose::{Chooser, PlanError, refined_survey};
 use crate::plan::document::{
     Document, EstimatedIntrinsics, NextDocument, Plan, PlannedPose, SimulatedMapError, finite, poses_csv,
 };
-use crate::problem::{Method, PoseConstraints, Problem};
+use crate::problem::{Method, PoseConstraints, Problem, Uncertainty};
 use rehearsal::rehearse;
 use retaken::Taken;
 
@@ -107,6 +107,13 @@ pub fn next(
         noise: Noise { sigma: calibration.sigma, ..problem.noise },
         ..problem.clone()
     };
+    // Of the camera more is known now than was stated.
+    if let Some(robust) = &mut problem.robust {
+        let Uncertainty { focal_length, principal_point, intrinsics, .. } = &mut robust.uncertainty;
+        (*focal_length, *principal_point) = (0.0, 0.0);
+        intrinsics.clear();
+    }
+    problem.robust = problem.robust.filter(|robust| !robust.uncertainty.is_none());
     let survey = refined_survey(&problem, observe)?;
     let taken = Taken::new(observations, &calibration.camera);
     if is_new {

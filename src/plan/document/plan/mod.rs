@@ -16,6 +16,7 @@ pub use proof::{AccuracyDocument, CertificateDocument, CertificateTerm, FewestDo
 pub use robustness::{RobustnessDocument, ScenarioDocument, SeenView, TrialDocument};
 pub use run::{Run, RunProblem, RunSeconds};
 pub use survey_counts::SurveyCounts;
+pub(crate) use survey_counts::rejected_by_name;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -34,9 +34,16 @@ impl SurveyCounts {
             axis_edge: survey.sweep.edge,
             refined: survey.refined,
             views: survey.views.len(),
-            rejected: Rejection::ALL.iter().map(|r| r.name().into()).zip(survey.rejected).collect(),
+            rejected: rejected_by_name(&survey.rejected),
         }
     }
+}
+
+/// By the reasons' names; whether a view is certain is a question of robust plans alone.
+pub(crate) fn rejected_by_name(rejected: &[usize; Rejection::ALL.len()]) -> BTreeMap<String, usize> {
+    let counted = Rejection::ALL.iter().zip(rejected);
+    let counted = counted.filter(|&(&reason, &count)| reason != Rejection::Uncertain || count > 0);
+    counted.map(|(reason, &count)| (reason.name().into(), count)).collect()
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use crate::feasibility::Rejection;
 use crate::plan::document::header::{Document, Header, ProblemReference};
+use crate::plan::document::plan::rejected_by_name;
 use crate::problem::{Problem, PublishedSweep};
 use crate::sweep::Sweep;
 
@@ -87,7 +88,7 @@ impl SweepCounts {
             published: published.map(|&PublishedSweep { swept, in_zone, .. }| PublishedCounts { swept, in_zone }),
             candidates: found.candidates.len(),
             views,
-            rejected: Rejection::ALL.iter().map(|reason| reason.name().into()).zip(rejected).collect(),
+            rejected: rejected_by_name(&rejected),
             seconds,
         }
     }
