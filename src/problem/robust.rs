@@ -103,8 +103,8 @@ impl Problem {
         (1..count).map(|draw| self.drawn(self.selection.seed, draw)).collect()
     }
 
-    /// The set-up as it may be by draw `draw`, counted from 1, from the uncertainty stated, and itself without one: intrinsics, mount, the board's place
-    /// and the joints' zeros are others. The same seed and draw give the same.
+    /// The set-up as it may be by draw `draw`, counted from 1, from the uncertainty stated, and itself without one: intrinsics,
+    /// mount, the board's place and the joints' zeros are others. The same seed and draw give the same.
     #[must_use]
     pub fn drawn(&self, seed: u64, draw: usize) -> Problem {
         let mut drawn = self.clone();

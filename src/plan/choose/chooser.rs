@@ -312,8 +312,9 @@ impl<'a> Chooser<'a> {
         (sigmas(M), (-0.5 * self.map_error.log_value(&mut pack(M), M.nrows())).exp())
     }
 
-    /// Standard deviations and map error of `views`, with those taken already, if the corners, which scatter unequally, are all given one weight: what OpenCV's
-    /// `calibrateCamera` makes of it. `None` where all scatter alike, or an intrinsic is left undetermined.
+    /// Standard deviations and map error of `views`, with those taken already, if the corners, which scatter unequally, are all
+    /// given one weight: what OpenCV's `calibrateCamera` makes of it. `None` where all scatter alike, or an intrinsic is left
+    /// undetermined.
     pub(crate) fn unweighted<'v>(&self, views: impl IntoIterator<Item = &'v View>) -> Option<(Vec<f64>, f64)> {
         let Self { problem, survey, .. } = self;
         if problem.noise.model == NoiseModel::Constant {

@@ -20,8 +20,8 @@ impl Trial {
     /// Number of set-ups.
     pub const SET_UPS: usize = 1000;
 
-    /// The trial of `views` of the set-up as stated, with what is known of the intrinsics there, p×p, in all of them; `None` where no robustness is
-    /// asked for.
+    /// The trial of `views` of the set-up as stated, with what is known of the intrinsics there, p×p, in all of them; `None`
+    /// where no robustness is asked for.
     pub fn of(problem: &Problem, views: &[View], known: &DMatrix<f64>) -> Option<Self> {
         let Robustness { draws, .. } = problem.robust.as_ref()?;
         let stated = Scene::new(problem);

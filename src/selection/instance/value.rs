@@ -49,8 +49,8 @@ impl Instance<'_> {
         LogSoftMinimum::new(log_values, self.softness)
     }
 
-    /// The gradient of log Φ at a total, term after term; `None` if it is singular. Of the least over the scenarios itself it is that
-    /// of the first that has it.
+    /// The gradient of log Φ at a total, term after term; `None` if it is singular. Of the least over the scenarios itself it is
+    /// that of the first that has it.
     pub(crate) fn gradient_at(&self, total: &[f64]) -> Option<Gradient> {
         let weights = if self.scenarios.len() == 1 {
             vec![1.0]
@@ -129,8 +129,9 @@ impl Instance<'_> {
 
     /// The image of `M_i` under the root of the second derivative.
     ///
-    /// For one scenario `−D² log Φ_s[Δ, Δ] = ‖R_s Δ‖²`. Being homogeneous, `Φ_s` has `D log Φ_s[Δ] = ⟨û_s, R_s Δ⟩` with the unit vector
-    /// `û_s = R_s M`, and so `−D²Φ_s[Δ, Δ] / Φ_s` is the square of `R_s Δ` less its part along `û_s`. The soft least adds its own.
+    /// For one scenario `−D² log Φ_s[Δ, Δ] = ‖R_s Δ‖²`. Being homogeneous, `Φ_s` has `D log Φ_s[Δ] = ⟨û_s, R_s Δ⟩` with the
+    /// unit vector `û_s = R_s M`, and so `−D²Φ_s[Δ, Δ] / Φ_s` is the square of `R_s Δ` less its part along `û_s`. The soft
+    /// least adds its own.
     pub(crate) fn curve(&self, curvature: &InstanceCurvature, i: usize) -> Vec<f64> {
         let image = |b: usize| {
             let block = &self.blocks[b];
@@ -158,4 +159,58 @@ fn scaled(mut numbers: Vec<f64>, factor: f64) -> Vec<f64> {
         *number *= factor;
     }
     numbers
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DMatrix;
+
+    use crate::selection::packed::dot;
+    use crate::selection::{Constraints, InformationFunction, InformationSet, Instance, Term};
+
+    /// With smooth functions, with ones that are soft themselves, and where one scenario is far from the least.
+    #[test]
+    fn derivatives_over_scenarios_equal_finite_differences() {
+        let matrix = |seed: f64| {
+            let A = DMatrix::from_fn(3, 3, |i, j| (seed + 2.3 * i as f64 + 1.7 * j as f64).sin());
+            &A * A.transpose() + DMatrix::identity(3, 3) * 0.1
+        };
+        let set = |seed: f64, size: f64| {
+            let matrices: Vec<_> = (0..4).map(|i| matrix(seed + f64::from(i)) * size).collect();
+            InformationSet::from_matrices(3, &matrices).unwrap()
+        };
+        let weight = matrix(0.5);
+        let smooth = [InformationFunction::Determinant, InformationFunction::variance(&weight)];
+        let kinked =
+            [InformationFunction::min_eigenvalue(), InformationFunction::worst_variance(&[weight, matrix(9.0)])];
+        for functions in [smooth, kinked] {
+            for size in [1.0, 1e4] {
+                let (a, b) = (set(1.0, 1.0), set(7.0, size));
+                let term = |candidates, function, share| Term { candidates, prior: None, function, share };
+                let scenarios = [
+                    vec![term(&a, &functions[0], 0.4), term(&b, &functions[1], 0.6)],
+                    vec![term(&b, &functions[1], 1.0)],
+                    vec![term(&a, &functions[0], 1.0)],
+                ];
+                let instance = Instance::of_scenarios(&scenarios, 2, Constraints::default()).unwrap();
+                for softness in [0.7, 0.2, 0.05] {
+                    let soft = instance.softened(softness);
+                    let total = soft.total(&[0, 1, 2]);
+                    let moved = |h: f64| {
+                        let mut total = total.clone();
+                        soft.add_to(&mut total, 3, h);
+                        soft.log_value_at(&total)
+                    };
+                    let h = 1e-4;
+                    let slope = soft.scores_of(&soft.gradient_at(&total).unwrap().y, &[3])[0];
+                    let differences = (moved(h) - moved(-h)) / (2.0 * h);
+                    assert!((slope - differences).abs() < 1e-5 * (1.0 + slope), "{softness}: {slope} {differences}");
+                    let image = soft.curve(&soft.curvature(&total).unwrap(), 3);
+                    let bend = dot(&image, &image);
+                    let differences = -(moved(h) - 2.0 * moved(0.0) + moved(-h)) / (h * h);
+                    assert!((bend - differences).abs() < 1e-2 * (0.1 + bend), "{softness}: {bend} {differences}");
+                }
+            }
+        }
+    }
 }

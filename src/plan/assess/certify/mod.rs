@@ -8,6 +8,7 @@ mod compare;
 mod error;
 mod evidence;
 mod fields;
+mod function;
 mod rules;
 mod unchecked;
 
@@ -280,8 +281,8 @@ impl Evidence<'_> {
         Ok(bound)
     }
 
-    /// Checks that the poses reach the accuracies that the problem requests, which are stated as they are in the worst scenario, and that fewer are proven not to; the least
-    /// number that may, where a matrix alone proves it.
+    /// Checks that the poses reach the accuracies that the problem requests, stated as they are in the worst scenario, and that
+    /// fewer are proven not to; the least number that may, where a matrix alone proves it.
     fn least(
         &self,
         stated: &FewestDocument,
