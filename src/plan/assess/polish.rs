@@ -435,6 +435,28 @@ mod tests {
         }
     }
 
+    /// A pose goes only where the scenarios show the board too, by their own tests.
+    #[test]
+    fn a_pose_moves_only_to_views_of_the_scenarios() {
+        let robust = "robust={mount_rotation_deg=8, scenarios=4, draws=8, seen_share=0.75}";
+        let set = Overrides::new().set("sweep.step_deg=20").unwrap().set(robust).unwrap();
+        let problem = Problem::read_with(Path::new("problems/servosila-engineer.toml"), &set).unwrap();
+        let stated = survey(&Problem { robust: None, ..problem.clone() }, &|_| {}).unwrap();
+        let survey = survey(&problem, &|_| {}).unwrap();
+        let chooser = Chooser::new(&problem, &survey).unwrap();
+        let setting = Setting { problem: &problem, objective: chooser.objective(), scenes: survey.scenes(&problem) };
+        let drawn = problem.scenarios();
+        let checks: Vec<_> = drawn.iter().map(Problem::checks).collect();
+        let (mut certain, mut uncertain) = (0, 0);
+        for view in &stated.views {
+            let seen = 1 + checks.iter().filter(|checks| checks.view(view.id, view.q.clone()).is_ok()).count();
+            let found = setting.look(view.id, &view.q.clone().into(), &[]);
+            assert_eq!(found.is_some(), seen >= 3, "{} in {seen} of 4", view.id);
+            *(if seen >= 3 { &mut certain } else { &mut uncertain }) += 1;
+        }
+        assert!(certain > 50 && uncertain > 10, "{certain} {uncertain}");
+    }
+
     /// The directions of their outer corners are apart by `least` px at least, at half the focal length, in the root sum of squares.
     fn assert_pictures_differ(problem: &Problem, views: &[View], least: f64) {
         let (columns, rows, square) = problem.target.board.grid().unwrap();
