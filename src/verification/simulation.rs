@@ -10,7 +10,7 @@ use crate::camera::Camera;
 use crate::feasibility::told_in_image;
 use crate::information::{Noise, NoiseModel, Whitening};
 use crate::spatial::Pose;
-use crate::target::{Board, Corners};
+use crate::target::{Board, Corners, Surface};
 
 /// What the camera really meets, as against what a plan supposes.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,6 +27,8 @@ pub struct Scene {
     pub noise: NoiseModel,
     /// Chance of each corner to go undetected.
     pub missing: f64,
+    /// The board's true face.
+    pub surface: Surface,
 }
 
 impl Scene {
@@ -46,6 +48,7 @@ impl Scene {
                 if !(seen.contains(index) && is_told[index]) {
                     return None;
                 }
+                let p_T = self.surface.point(&p_T.coords.xy());
                 let pixel = self.camera.project(&(X_CT * p_T)).filter(|pixel| self.camera.contains(pixel, 0.0))?;
                 if self.missing > 0.0 && rng.gen_bool(self.missing) {
                     return None;
@@ -88,6 +91,7 @@ pub fn simulate(
         sigma: vec![noise.sigma; poses.len()],
         noise: noise.model,
         missing: 0.0,
+        surface: Surface::FLAT,
     };
     scene.observe(board, seed)
 }

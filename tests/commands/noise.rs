@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use calipose::camera::{Camera, Lens};
 use calipose::information::NoiseModel;
 use calipose::spatial::Pose;
-use calipose::target::{Board, Corners, viewpoint};
+use calipose::target::{Board, Corners, Surface, viewpoint};
 use calipose::verification::Scene;
 use serde_json::Value;
 
@@ -29,6 +29,7 @@ fn pictures(folder: &std::path::Path, noise: NoiseModel, shake: f64) -> Vec<Stri
                 sigma: vec![0.1],
                 noise,
                 missing: 0.0,
+                surface: Surface::FLAT,
             };
             let seen = scene.observe(&BOARD, (100 * number) as u64 + picture as u64).unwrap();
             for corner in &seen.views()[0] {
