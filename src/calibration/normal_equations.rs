@@ -81,7 +81,7 @@ impl Measurements {
             // What has no image is told of elsewhere.
             let Some(projection) = camera.project_with_derivatives(&p_C) else { continue };
             let feature = observations.board().feature(corner.index);
-            let whitening = settings.noise.whitening_in_view(&feature, &projection.by_point, &R);
+            let whitening = settings.noise.whitening_in_view(&feature, &projection.by_point, &R, camera.vergence(&p_C));
             measurement.whitening = whitening.weighted(corner.weight);
         }
         measurements

@@ -112,11 +112,13 @@ impl<'a> Measurement<'a> {
     pub(super) fn derivatives(&self, i: usize, R: &Matrix3<f64>, t: &Vector3<f64>) -> Option<Derivatives> {
         // The pose is perturbed about the board's centre (see `spatial::perturb`).
         let arm = R * self.corners[i].coords;
-        let projection = self.unknowns.camera.project_with_derivatives(&(arm + t).into())?;
+        let (camera, p_C) = (self.unknowns.camera, Point3::from(arm + t));
+        let projection = camera.project_with_derivatives(&p_C)?;
         let mut by_pose = Matrix2x6::zeros();
         by_pose.fixed_columns_mut::<3>(0).copy_from(&(-projection.by_point * skew(&arm)));
         by_pose.fixed_columns_mut::<3>(3).copy_from(&projection.by_point);
-        let whitening = self.noise.model.whitening_in_view(&self.features[i], &projection.by_point, R);
+        let vergence = camera.vergence(&p_C);
+        let whitening = self.noise.model.whitening_in_view(&self.features[i], &projection.by_point, R, vergence);
         let mut by_heights = SMatrix::<f64, 2, { Warp::HEIGHTS }>::zeros();
         if let Some(warp) = &self.warp {
             let up = projection.by_point * R.column(2);

@@ -67,9 +67,11 @@ impl Scene {
         if self.noise == NoiseModel::Constant {
             return Some(Whitening::NONE);
         }
-        let projection = self.camera.project_with_derivatives(&(X_CT * p_T))?;
+        let p_C = X_CT * p_T;
+        let by_point = self.camera.project_with_derivatives(&p_C)?.by_point;
         let R = X_CT.rotation.to_rotation_matrix();
-        Some(self.noise.whitening_in_view(&board.feature(index), &projection.by_point, R.matrix()))
+        let vergence = self.camera.vergence(&p_C);
+        Some(self.noise.whitening_in_view(&board.feature(index), &by_point, R.matrix(), vergence))
     }
 }
 

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use calipose::camera::{Camera, Lens};
-use calipose::information::NoiseModel;
+use calipose::information::{Blur, NoiseModel};
 use calipose::spatial::Pose;
 use calipose::target::{Board, Corners, Surface, viewpoint};
 use calipose::verification::Scene;
@@ -52,9 +52,10 @@ fn measured(folder: &std::path::Path, files: &[String]) -> Value {
 #[test]
 fn the_model_and_its_numbers_are_found() {
     let folder = tempfile::tempdir().unwrap();
-    for (noise, name, window) in
-        [(NoiseModel::Constant, "constant", None), (NoiseModel::Edges { window: 5.0 }, "edges", Some(5.0))]
-    {
+    for (noise, name, window) in [
+        (NoiseModel::Constant, "constant", None),
+        (NoiseModel::Edges { window: 5.0, blur: Blur::NONE }, "edges", Some(5.0)),
+    ] {
         let found = measured(folder.path(), &pictures(folder.path(), noise, 0.0));
         assert_eq!(found["corners"], 4 * 48);
         let [best, other] = [0, 1].map(|i| &found["models"][i]);

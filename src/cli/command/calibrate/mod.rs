@@ -22,7 +22,7 @@ use crate::cli::output::Screen;
 use crate::cli::output::failure::Failure;
 use crate::cli::output::verdict::Verdict;
 use crate::formats::{CameraFormat, Detections, Known};
-use crate::information::{NoiseModel, NoiseName};
+use crate::information::{Blur, NoiseModel, NoiseName};
 use crate::plan::document::{CalibrationDocument, Document, ProblemReference};
 use crate::plan::results::{probe, write_together};
 use crate::problem::{Accuracy, Problem};
@@ -195,13 +195,13 @@ fn noise(arguments: &CalibrateArguments, problem: Option<&Problem>) -> Result<No
     let model = match arguments.noise {
         Some(NoiseName::Constant) => NoiseModel::Constant,
         Some(NoiseName::Edges) if stated == NoiseModel::Constant => {
-            NoiseModel::Edges { window: NoiseModel::USUAL_WINDOW }
+            NoiseModel::Edges { window: NoiseModel::USUAL_WINDOW, blur: Blur::NONE }
         }
         Some(NoiseName::Edges) | None => stated,
     };
     match (arguments.window, model) {
         (None, model) => Ok(model),
-        (Some(window), NoiseModel::Edges { .. }) => Ok(NoiseModel::Edges { window }),
+        (Some(window), NoiseModel::Edges { blur, .. }) => Ok(NoiseModel::Edges { window, blur }),
         (Some(_), NoiseModel::Constant) => {
             Err(Failure::Usage("--window-px is for --noise-model edges: constant noise has no window".into()))
         }
