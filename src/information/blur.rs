@@ -80,7 +80,7 @@ mod tests {
         // At 0.25 m it is 4 px across: s² = 4/9 + 1.
         assert!((LENS.edge(4.0) - 2.0 / 13f64.sqrt()).abs() < 1e-15);
         // s = 1.201850, and of u = s/5: exp(−0.107037 (3 + 8 · 0.373703)).
-        assert!((LENS.corner(4.0, 5.0) - 0.292165).abs() < 1e-6, "{}", LENS.corner(4.0, 5.0));
+        assert!((LENS.corner(4.0, 5.0) - 0.292_165).abs() < 1e-6, "{}", LENS.corner(4.0, 5.0));
         // As far from focus in 1/m, at infinity.
         assert!((LENS.edge(0.0) - LENS.edge(4.0)).abs() < 1e-15);
     }

@@ -284,7 +284,7 @@ mod tests {
         let R = Matrix3::identity();
         let by_point = Matrix2x3::new(4000.0, 0.0, 0.0, 0.0, 4000.0, 0.0);
         let found = blurred.whitening_in_view(&corner(true), &by_point, &R, 4.0).covariance();
-        assert_near(&found, [[1.0 / 0.292165, 0.0], [0.0, 1.0 / 0.292165]]);
+        assert_near(&found, [[1.0 / 0.292_165, 0.0], [0.0, 1.0 / 0.292_165]]);
         // On the axis the distance follows from the derivative by the place, however the board is tilted.
         let tilted = *nalgebra::Rotation3::from_axis_angle(&nalgebra::Vector3::x_axis(), 1.1).matrix();
         let [in_view, on_board] = [

@@ -55,7 +55,7 @@ impl Unweighted {
             let rows = covariance * A.rows(2 * at, 2);
             scattered.rows_mut(2 * at, 2).copy_from(&rows);
         }
-        let scale = measurement.noise.sigma.powi(-2);
+        let scale = measurement.scale();
         self.H += A.tr_mul(&A) * scale;
         self.K += A.tr_mul(&scattered) * scale;
         self.G += A.tr_mul(&C) * scale;

@@ -24,6 +24,8 @@ pub struct Measurement<'a> {
     /// How the board may bulge. Its heights are estimated too, of all views together: where it is given, the information is of
     /// them and of the intrinsics, in this order.
     pub warp: Option<Warp>,
+    /// Pictures that a view is of: so many times as much is known of it.
+    pub pictures: usize,
 }
 
 /// A corner's pixel by what it depends on.
@@ -43,7 +45,7 @@ impl<'a> Measurement<'a> {
     /// Of a board's corners.
     pub fn new(unknowns: Unknowns<'a>, board: &Board, noise: Noise) -> Self {
         let features = (0..board.corner_count()).map(|i| board.feature(i)).collect();
-        Self { unknowns, corners: board.corners().collect(), features, noise, warp: None }
+        Self { unknowns, corners: board.corners().collect(), features, noise, warp: None, pictures: 1 }
     }
 
     /// How many numbers are estimated of all views together beside the intrinsics, and before them in all rows and columns: the
@@ -75,12 +77,17 @@ impl<'a> Measurement<'a> {
             Corners::All => self.add(&mut elimination, X_CT, 0..self.corners.len()),
             Corners::Some(indices) => self.add(&mut elimination, X_CT, indices.iter().copied()),
         }?;
-        let scale = 1.0 / (self.noise.sigma * self.noise.sigma);
+        let scale = self.scale();
         let mut information = elimination.finish()?;
         for entry in &mut information {
             *entry *= scale;
         }
         Some(information)
+    }
+
+    /// What the sum of squares of whitened rows is multiplied by: the pictures over σ².
+    pub(super) fn scale(&self) -> f64 {
+        self.pictures as f64 / (self.noise.sigma * self.noise.sigma)
     }
 
     /// Adds the rows of the corners with those indices; `None` if one has no image.

@@ -34,6 +34,7 @@ impl Measurement<'_> {
     pub(crate) fn zhang_information(&self, X_CT: &Pose, seen: &Corners) -> Option<Vec<f64>> {
         let R = X_CT.rotation.to_rotation_matrix();
         let h: [Vector3<f64>; 3] = [R.matrix().column(0).into(), R.matrix().column(1).into(), X_CT.translation.vector];
+        let root = self.scale().sqrt();
         // Normal matrix of the homography's nine entries, column by column.
         let mut N = SMatrix::<f64, 9, 9>::zeros();
         for i in seen.indices(self.corners.len()) {
@@ -42,7 +43,7 @@ impl Measurement<'_> {
             let by_point = camera.project_with_derivatives(&p_C)?.by_point;
             let (feature, vergence) = (&self.features[i], camera.vergence(&p_C));
             let whitening = self.noise.model.whitening_in_view(feature, &by_point, R.matrix(), vergence);
-            let by_point = whitening.of_rows(&by_point) / self.noise.sigma;
+            let by_point = whitening.of_rows(&by_point) * root;
             let mut A = SMatrix::<f64, 2, 9>::zeros();
             for (c, factor) in [corner.x, corner.y, 1.0].into_iter().enumerate() {
                 A.fixed_columns_mut::<3>(3 * c).copy_from(&(by_point * factor));

@@ -12,6 +12,8 @@ use crate::information::Criterion;
 pub struct SelectionSettings {
     /// What is asked for.
     pub goal: Goal,
+    /// Pictures taken at each pose.
+    pub pictures: usize,
     /// Seed of everything random.
     pub seed: u64,
     /// Relative gap at which the relaxation stops.

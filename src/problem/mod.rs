@@ -153,8 +153,13 @@ impl Problem {
         Unknowns { camera: &self.camera, estimated: &self.estimated }
     }
 
-    /// What a view measures.
+    /// What a planned view measures, with all its pictures.
     pub fn measurement(&self) -> Measurement<'_> {
+        Measurement { pictures: self.selection.pictures, ..self.measurement_of_one_picture() }
+    }
+
+    /// What a view taken already measures.
+    pub fn measurement_of_one_picture(&self) -> Measurement<'_> {
         Measurement { warp: self.target.warp, ..Measurement::new(self.unknowns(), &self.target.board, self.noise) }
     }
 

@@ -278,23 +278,29 @@ fn summary(
     let tried = verified.map(|found| format!("{}\n", sentence(found))).unwrap_or_default();
     let unweighted = plan.unweighted.as_ref().map(|unweighted| {
         let map_error = short(unweighted.map_error_px);
-        format!("A calibration without weights, such as OpenCV's: map error {map_error} px predicted.\n")
+        let flat = if problem.target.warp.is_some() { " that takes the board for flat" } else { "" };
+        format!("A calibration without weights{flat}, such as OpenCV's: map error {map_error} px predicted.\n")
     });
     let unweighted = unweighted.unwrap_or_default();
+    let what = if plan.pictures == 1 { "a picture is" } else { "all pictures of a pose are" };
     let lost = plan.worst_loss.as_ref().map(|WorstLoss { id, map_error_px }| match map_error_px {
         Some(map_error) => {
-            format!("If a picture is lost: map error {} px at worst, without pose {id}.\n", short(*map_error))
+            format!("If {what} lost: map error {} px at worst, without pose {id}.\n", short(*map_error))
         }
         None => format!("No picture may be lost: without pose {id} an intrinsic is undetermined.\n"),
     });
     let lost = lost.unwrap_or_default();
     let withstood = plan.robust.as_ref().map(withstood).unwrap_or_default();
+    let repeated = match plan.pictures {
+        1 => String::new(),
+        pictures => format!("Predicted with {pictures} pictures taken at each pose.\n"),
+    };
     Ok(format!(
         "{}\n\n{}\n\n{}\n\n{}\n\n{}",
         wrapped(&outcome(plan)),
         pose_table(problem, &plan.poses),
         table(&["intrinsic", "nominal", "predicted sigma"], &rows),
-        wrapped(&format!("{tried}{unweighted}{lost}{withstood}{compared}")),
+        wrapped(&format!("{repeated}{tried}{unweighted}{lost}{withstood}{compared}")),
         wrapped(&found),
     ))
 }

@@ -65,6 +65,7 @@ impl Polished {
             problem: plan.problem.clone(),
             criterion: plan.criterion.clone(),
             count: plan.count,
+            pictures: plan.pictures,
             value: chooser.natural(self.log_value),
             gain: gain - 1.0,
             efficiency_by_grid_bound: plan.efficiency * gain,

@@ -76,7 +76,8 @@ pub fn verify(
     let covariance = covariance.ok_or(unobservable)?;
     let map_weight = unknowns.map_error_weight();
     let nominal = Nominal { robot, camera, target, noise: *noise };
-    let planned: Vec<_> = configurations.iter().zip(&seen).collect();
+    let repeated = |pose| std::iter::repeat_n(pose, problem.selection.pictures);
+    let planned: Vec<_> = configurations.iter().zip(&seen).flat_map(repeated).collect();
     let scene = |trial| disturbance.scene(&nominal, &planned, seed, trial);
     let warp = match weighing {
         Weighing::Weighted => target.warp.map(|warp| ExpectedWarp { warp, sigma: noise.sigma }),

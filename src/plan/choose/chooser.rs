@@ -333,7 +333,10 @@ impl<'a> Chooser<'a> {
         let mut estimate = Unweighted::new(&stated_of_intrinsics(problem));
         let taken = self.known[0].captured.iter().map(|Captured { X_CT, seen }| (X_CT, seen));
         let chosen = views.into_iter().map(|view| (&view.X_CT, &view.seen));
-        for (X_CT, seen) in taken.chain(chosen) {
+        for (X_CT, seen) in taken {
+            estimate.add(&problem.measurement_of_one_picture(), X_CT, seen)?;
+        }
+        for (X_CT, seen) in chosen {
             estimate.add(&measurement, X_CT, seen)?;
         }
         let covariance = estimate.covariance()?;

@@ -159,7 +159,7 @@ impl Known {
     }
 
     fn new(problem: &Problem, set_up: &Problem, captured: Vec<Captured>) -> Self {
-        let measurement = set_up.measurement();
+        let measurement = set_up.measurement_of_one_picture();
         let mut information = stated(problem);
         let p = information.nrows();
         for Captured { X_CT, seen } in &captured {

@@ -326,7 +326,7 @@ impl<'a> ObjectiveTerm<'a> {
             Criterion::Zhang => {
                 let directions = owned(&ZHANG_DIRECTIONS);
                 let candidates = Source::Zhang.set(set_up, directions.len())?;
-                let measurement = problem.measurement();
+                let measurement = problem.measurement_of_one_picture();
                 let known =
                     measurement.zhang_set(captured.iter().map(|view| (&view.X_CT, &view.seen)).collect::<Vec<_>>());
                 let known = known.ok_or_else(|| SurveyError::undetermined(problem))?;

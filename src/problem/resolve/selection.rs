@@ -21,6 +21,7 @@ impl Check<'_, '_> {
         let time_limit = self.number(&key!(selection, time_limit_s), Allowed::between(0.0, 1e6));
         SelectionSettings {
             goal: self.goal(selection, estimated),
+            pictures: self.count(&key!(selection, pictures), Allowed::between(1.0, 1000.0)),
             seed: selection.value.seed,
             tolerance: self.number(&key!(selection, tolerance), Allowed::between(1e-12, 0.1)),
             time_limit: Duration::try_from_secs_f64(time_limit).unwrap_or_default(),

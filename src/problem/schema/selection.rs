@@ -23,6 +23,9 @@ pub(crate) struct Selection {
     /// Number of poses; 10 when left out.
     #[schemars(range(min = 1))]
     pub(crate) count: Option<u64>,
+    /// Number of pictures taken at each pose. They average the corners' noise; what errs alike in all of them stays.
+    #[schemars(range(min = 1, max = 1000))]
+    pub(crate) pictures: u64,
     /// Accuracies to reach with as few poses as possible, in place of `criterion`, `method` and `count`: `map_error_px` and names of
     /// estimated intrinsics, each with the requested standard deviation, as in `{ map_error_px = 2, fx = 1.5 }`.
     pub(crate) accuracy: Option<BTreeMap<String, f64>>,
@@ -86,6 +89,7 @@ impl Default for Selection {
             criterion: None,
             method: None,
             count: None,
+            pictures: 1,
             accuracy: None,
             seed: 0,
             tolerance: 1e-9,

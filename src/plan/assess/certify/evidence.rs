@@ -112,10 +112,11 @@ impl<'a> SetUp<'a> {
         captured: Vec<(Pose, Corners)>,
     ) -> Result<Self, CertifyError> {
         let measurement = problem.measurement();
+        let taken = problem.measurement_of_one_picture();
         let mut known = stated(problem);
         let p = known.nrows();
         for (X_CT, seen) in &captured {
-            known += matrix(measurement.information(X_CT, seen), p)?;
+            known += matrix(taken.information(X_CT, seen), p)?;
         }
         Ok(Self { problem, measurement, views, captured, known })
     }
@@ -145,7 +146,8 @@ impl<'a> Evidence<'a> {
             let SetUp { measurement, captured, .. } = &set_ups[0];
             let mut known = Unweighted::new(&last(&stated(problem), measurement.nuisance()));
             for (X_CT, seen) in captured {
-                known.add(measurement, X_CT, seen).ok_or(CertifyError::Undetermined)?;
+                let taken = problem.measurement_of_one_picture();
+                known.add(&taken, X_CT, seen).ok_or(CertifyError::Undetermined)?;
             }
             unweighted = Some(known);
         }
@@ -206,8 +208,9 @@ impl<'a> Evidence<'a> {
             }
             Criterion::Zhang => {
                 let mut known = DMatrix::zeros(5, 5);
+                let taken = problem.measurement_of_one_picture();
                 for (X_CT, seen) in captured {
-                    known += matrix(measurement.zhang_information(X_CT, seen), 5)?;
+                    known += matrix(taken.zhang_information(X_CT, seen), 5)?;
                 }
                 (Source::Zhang, known, Function::LeastEigenvalue)
             }

@@ -92,12 +92,13 @@ impl Confirmed {
 pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confirmed, CertifyError> {
     // Here and below documents are taken apart whole, so that a new field cannot go by unnoticed.
     let Plan {
-        header: Header { format, version, calipose: _ },
-        problem: ProblemReference { name, sha256, set },
+        header,
+        problem: reference,
         criterion: _, // by `fit`
         method,
         count,
         seed,
+        pictures,
         value: stated_value,
         bound: stated_bound,
         efficiency: stated_efficiency,
@@ -116,12 +117,9 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
     } = plan;
     let mut unchecked = Unchecked::all(&["calipose"], MADE_BY);
 
-    same("the format", format.as_str(), Plan::FORMAT)?;
-    same("the version", version, &Plan::VERSION)?;
-    same("the problem's name", name, &problem.name)?;
-    same("the problem's hash", sha256, &problem.sha256)?;
-    alike("the list of values that replace the problem file's", set, &problem.overrides.of_results())?;
+    is_of_that_problem(header, reference, problem)?;
     plan.fit(problem)?;
+    same("the number of pictures at each pose", pictures, &problem.selection.pictures)?;
     let selected = plan.places(survey)?;
     let goal = &problem.selection.goal;
     is_by_that_method(method, search.is_some(), fewest.is_some(), goal)?;
@@ -198,6 +196,19 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
         tolerance: tolerance.max(SAME + accuracies.uncertainty).max(SAME + 10.0 * value.uncertainty),
         unchecked,
     })
+}
+
+/// Whether it is a plan, and of that problem.
+fn is_of_that_problem(
+    Header { format, version, calipose: _ }: &Header,
+    ProblemReference { name, sha256, set }: &ProblemReference,
+    problem: &Problem,
+) -> Result<(), CertifyError> {
+    same("the format", format.as_str(), Plan::FORMAT)?;
+    same("the version", version, &Plan::VERSION)?;
+    same("the problem's name", name, &problem.name)?;
+    same("the problem's hash", sha256, &problem.sha256)?;
+    alike("the list of values that replace the problem file's", set, &problem.overrides.of_results())
 }
 
 impl Evidence<'_> {

@@ -156,9 +156,11 @@ pub fn next(
     let Some(choice) = chosen else { return Ok(nothing) };
     let shares = chooser.shares(&choice.selected)?;
     let views: Vec<&View> = choice.selected.iter().map(|&i| &survey.views[i]).collect();
+    let pictures = |&view| std::iter::repeat_n(view, problem.selection.pictures);
+    let pictured: Vec<&View> = views.iter().flat_map(pictures).collect();
     Ok(Proposal {
         expected: choice.map_error,
-        rehearsal: rehearse(observations, calibration, &views, &survey.map_weight, problem.selection.seed),
+        rehearsal: rehearse(observations, calibration, &pictured, &survey.map_weight, problem.selection.seed),
         fulfilled: choice.map_error <= goal,
         poses: views.iter().zip(shares).map(|(view, share)| PlannedPose::new(&problem, view, share)).collect(),
         repeats: views.iter().map(|view| taken.like(view)).collect(),

@@ -44,6 +44,9 @@ pub struct Plan {
     pub count: usize,
     /// Seed of everything random.
     pub seed: u64,
+    /// Pictures to take at each pose; 1 where it is not said.
+    #[serde(skip_serializing_if = "is_one", default = "one")]
+    pub pictures: usize,
     /// The criterion's value: log det for `d` and `diversity`, a variance in px² for `a` and `v`, an eigenvalue for `e` and
     /// `zhang`, the weighted geometric mean Φ of several; for accuracies the least of (requested / reached)².
     pub value: f64,
@@ -81,6 +84,15 @@ pub struct Plan {
     pub joints: Vec<String>,
     /// The poses, by ascending id.
     pub poses: Vec<PlannedPose>,
+}
+
+pub(super) fn one() -> usize {
+    1
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+pub(super) fn is_one(count: &usize) -> bool {
+    *count == 1
 }
 
 /// Why a text is not a plan.
@@ -193,6 +205,7 @@ impl Plan {
             method: settings.goal.method().name().into(),
             count: choice.selected.len(),
             seed: settings.seed,
+            pictures: settings.pictures,
             value: chooser.natural(choice.log_value),
             bound: chooser.natural(decision.log_bound),
             efficiency: (choice.log_value - decision.log_bound).exp(),

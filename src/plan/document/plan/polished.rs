@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::pose::{PlannedPose, poses_csv};
 use super::proof::CertificateDocument;
-use super::{Intrinsics, RobustnessDocument, UnweightedAccuracy};
+use super::{Intrinsics, RobustnessDocument, UnweightedAccuracy, is_one, one};
 use crate::plan::document::header::{Document, Header, ProblemReference};
 use crate::robot::Joint;
 
@@ -25,6 +25,9 @@ pub struct PolishedPlan {
     pub criterion: String,
     /// Number of poses.
     pub count: usize,
+    /// Pictures to take at each pose; 1 where it is not said.
+    #[serde(skip_serializing_if = "is_one", default = "one")]
+    pub pictures: usize,
     /// The criterion's value, as in plans.
     pub value: f64,
     /// What the polished poses gain over those of the grid: Φ / Φ(grid) − 1, at least 0.
