@@ -13,12 +13,12 @@ mod study;
 mod views;
 
 pub use answers::{
-    CalibratedView, CalibrationDocument, Certified, CombinationTerm, ComparisonDocument, ComparisonEquivalent,
-    ComparisonRow, CornerResidual, CurvePoint, EstimatedIntrinsics, Explanation, FailedTrial, FigureFile,
-    FiguresDocument, LeastKnown, MapErrorCheck, MapErrorOverImage, MeasuredNoise, MeasuredRow, NextDocument,
-    NoiseDocument, NotChecked, OutlierDocument, ParameterCheck, PictureFile, PictureSize, PicturesDocument,
-    PoseExplanation, RequestedAccuracy, ResidualLengths, RobustnessPrice, SimulatedMapError, SparePose, Suffering,
-    Verification,
+    BoardWarp, CalibratedView, CalibrationDocument, Certified, CombinationTerm, ComparisonDocument,
+    ComparisonEquivalent, ComparisonRow, CornerResidual, CurvePoint, EstimatedIntrinsics, Explanation, FailedTrial,
+    FigureFile, FiguresDocument, LeastKnown, MapErrorCheck, MapErrorOverImage, MeasuredNoise, MeasuredRow,
+    NextDocument, NoiseDocument, NotChecked, OutlierDocument, ParameterCheck, PictureFile, PictureSize,
+    PicturesDocument, PoseExplanation, RequestedAccuracy, ResidualLengths, RobustnessPrice, SimulatedMapError,
+    SparePose, Suffering, Verification,
 };
 pub use design::{
     DesignCheckDocument, DesignDocument, DesignMap, DesignProof, FreeValue, Sensitivity, SensitivityPoint, SetUp,

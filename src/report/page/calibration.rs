@@ -6,7 +6,7 @@ use super::head::{Head, Tone, figure};
 use super::table::{Cell, Row, table};
 use super::{page, plots, script};
 use crate::figures::short;
-use crate::plan::document::CalibrationDocument;
+use crate::plan::document::{BoardWarp, CalibrationDocument};
 use crate::report::plots::calibration_figures;
 
 /// The report of a calibration, a page that stands alone.
@@ -63,6 +63,12 @@ fn intrinsics(calibration: &CalibrationDocument) -> Markup {
         p { "Lens " code { (calibration.lens) } ", pictures of " (calibration.image.width_px) " × " (calibration.image.height_px) " px." }
         (table("Intrinsics", &header, &rows))
         @for [a, b] in &calibration.tied { p { (a) " and " (b) " are held equal." } }
+        @if let Some(BoardWarp { x, y, x_sigma, y_sigma }) = calibration.warp_mm {
+            p {
+                "The board's middle lies above its rim by " (short(x)) " ± " (short(x_sigma)) " mm along x and "
+                (short(y)) " ± " (short(y_sigma)) " mm along y."
+            }
+        }
     }
 }
 

@@ -54,8 +54,12 @@ fn head<'a>(documents: &PlanDocuments<'a>) -> Head<'a> {
         Some(true) => (Tone::Good, "The plan does what it predicts."),
         None => (Tone::Open, "The plan has not been tried in simulated calibrations."),
     };
+    let mut poses = format!("of {} views", grouped(review.views.all));
+    if plan.pictures > 1 {
+        poses = format!("{poses}, with {} pictures each", plan.pictures);
+    }
     let mut figures = vec![
-        figure("Poses", plan.count.to_string(), &format!("of {} views", grouped(review.views.all))),
+        figure("Poses", plan.count.to_string(), &poses),
         html! {
             div {
                 dt { "Map error" } dd { (short(plan.map_error_px)) " " small { "px RMS over the image" } }
@@ -63,7 +67,7 @@ fn head<'a>(documents: &PlanDocuments<'a>) -> Head<'a> {
                     dd { (short(measured)) " px in simulated calibrations" }
                 }
                 @if let Some(unweighted) = &plan.unweighted {
-                    dd { (short(unweighted.map_error_px)) " px if calibrated without weights, as by OpenCV" }
+                    dd { (short(unweighted.map_error_px)) " px if calibrated without weights and for a flat board, as by OpenCV" }
                 }
                 @if let Some(trial) = plan.robust.as_ref().map(|robust| &robust.trial) && let Some(most) = trial.map_error_of_99_percent_px {
                     dd { (short(most)) " px or less in 99 % of " (grouped(trial.set_ups)) " other set-ups" }

@@ -11,8 +11,8 @@ mod pictures;
 mod verification;
 
 pub use calibration::{
-    CalibratedView, CalibrationDocument, CornerResidual, EstimatedIntrinsics, MapErrorOverImage, OutlierDocument,
-    PictureSize, RequestedAccuracy, ResidualLengths,
+    BoardWarp, CalibratedView, CalibrationDocument, CornerResidual, EstimatedIntrinsics, MapErrorOverImage,
+    OutlierDocument, PictureSize, RequestedAccuracy, ResidualLengths,
 };
 pub use certified::{Certified, NotChecked};
 pub use comparison::{ComparisonDocument, ComparisonEquivalent, ComparisonRow, MeasuredRow};
