@@ -49,7 +49,7 @@ class Camera:
         self.model = file.get("distortion", {}).get("model", "none")
         self.size = file["width_px"], file["height_px"]
         width, height = self.size
-        self.fx, self.fy = file["fx_px"], file["fy_px"]
+        self.fx, self.fy = file["fx_px"], file.get("fy_px", file["fx_px"])
         self.cx, self.cy = file.get("cx_px", (width - 1) / 2), file.get("cy_px", (height - 1) / 2)
         self.coefficients = [file.get("distortion", {}).get(name, 0.0) for name in COEFFICIENTS[self.model]]
         self.K = np.array([[self.fx, 0, self.cx], [0, self.fy, self.cy], [0, 0, 1.0]])
@@ -79,9 +79,9 @@ class Camera:
             return cv2.fisheye.projectPoints(points, rvec, tvec, self.K, self.D)[0].reshape(-1, 2)
         return cv2.projectPoints(points, rvec, tvec, self.K, self.D if self.D.size else None)[0].reshape(-1, 2)
 
-    def rays(self, pixels):
+    def rays(self, pixels, iterations=500):
         pixels = pixels.reshape(-1, 1, 2)
-        criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 500, 1e-15)
+        criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, iterations, 1e-15)
         if self.model == FISHEYE:
             plane = cv2.fisheye.undistortPoints(pixels, self.K, self.D, criteria=criteria)
         elif self.D.size:
@@ -91,8 +91,26 @@ class Camera:
         return np.column_stack([plane.reshape(-1, 2), np.ones(len(pixels))])
 
 
+def read_problem(path, plan):
+    """The problem of a plan: the file with the values that were set in place of its own."""
+    problem = tomllib.loads(Path(path).read_text())
+    for text in plan["problem"].get("set", []):
+        key, _, value = text.partition("=")
+        *above, last = [name.strip() for name in key.split(".")]
+        table = problem
+        for name in above:
+            table = table.setdefault(name, {})
+        table[last] = tomllib.loads(f"value = {value}")["value"]
+    return problem
+
+
 def corners(target):
-    """Of a checkerboard from the lower left, and of a ChArUco board, which counts squares, from the upper left."""
+    """Of a checkerboard from the lower left; of a ChArUco board, which counts squares, from the upper left; of an AprilGrid the tags'."""
+    if target.get("kind") == "aprilgrid":
+        side = target["tag_mm"] / 1e3
+        x, y = [np.add.outer((np.arange(n) - (n - 1) / 2) * (1 + target["tag_spacing"]) * side, [-side / 2, side / 2]).ravel()
+                for n in (target["columns"], target["rows"])]
+        return np.array([[a, b, 0.0] for b in y for a in x])
     columns, rows, square = target["columns"], target["rows"], target["square_mm"] / 1e3
     is_charuco = target.get("kind") == "charuco"
     columns, rows = (columns - 1, rows - 1) if is_charuco else (columns, rows)
@@ -102,11 +120,16 @@ def corners(target):
 
 
 def board_in_camera(problem, pose):
-    """Rotation and position of the board in the camera's frame at a plan's pose."""
+    """Rotation and position of the board in the camera's frame at a plan's pose. Where a link carries the board, its frame is the base."""
     board = problem["target"]["pose"]
     R_BT, t_BT = from_rpy(board.get("rpy_deg", [0, 0, 0])), np.array(board["position_mm"]) / 1e3
     R_CB = rotation(pose["camera_in_base"]["quaternion_xyzw"]).T
     return R_CB @ R_BT, R_CB @ (t_BT - np.array(pose["camera_in_base"]["position_m"]))
+
+
+def edge_mm(target):
+    """How far the edges of a crossing go on: to the next corner, or over the small square at a tag's corner."""
+    return target["tag_mm"] * target["tag_spacing"] if target.get("kind") == "aprilgrid" else target["square_mm"]
 
 
 def whiteners(target, camera, board, rvec, tvec, noise):
@@ -118,7 +141,7 @@ def whiteners(target, camera, board, rvec, tvec, noise):
     centre, *moved = [camera.project(points, rvec, tvec) for points in places]
     precision = np.zeros((len(board), 2, 2))
     for along in moved:
-        edge = (along - centre) / step * target["square_mm"] / 1e3
+        edge = (along - centre) / step * edge_mm(target) / 1e3
         length = np.linalg.norm(edge, axis=1)
         normal = np.column_stack([-edge[:, 1], edge[:, 0]]) / length[:, None]
         seen = np.minimum(window / np.abs(normal).max(axis=1), length)
@@ -171,20 +194,21 @@ def inverse(M):
     return np.linalg.inv(M * np.outer(unit, unit)) * np.outer(unit, unit)
 
 
-def compare(problem_path, plan_path):
-    problem = tomllib.loads(Path(problem_path).read_text())
-    plan = json.loads(Path(plan_path).read_text())
-    camera = Camera(problem["camera"])
-    names = plan["intrinsics"]["names"]
-    estimated = [camera.names.index(name) for name in names]
-    sums = [sum(matrices)[np.ix_(estimated, estimated)] for matrices in zip(*(information(camera, problem, pose) for pose in plan["poses"]))]
-    weight = map_weight(camera, estimated)
-
-    def accuracy(covariance):
-        return np.sqrt(np.trace(weight @ covariance)), np.sqrt(np.diag(covariance))
-
+def accuracies(camera, problem, poses, estimated, weight):
+    """Map error and standard deviations of the intrinsics by weighted least squares, and without weights."""
+    sums = [sum(matrices)[np.ix_(estimated, estimated)] for matrices in zip(*(information(camera, problem, pose) for pose in poses))]
     M, H, K = sums
-    found, sigma = accuracy(inverse(M))
+    covariances = inverse(M), inverse(H) @ K @ inverse(H)
+    return [(np.sqrt(np.trace(weight @ covariance)), np.sqrt(np.diag(covariance))) for covariance in covariances]
+
+
+def compare(problem_path, plan_path):
+    plan = json.loads(Path(plan_path).read_text())
+    problem = read_problem(problem_path, plan)
+    camera = Camera(problem["camera"])
+    estimated = [camera.names.index(name) for name in plan["intrinsics"]["names"]]
+    weight = map_weight(camera, estimated)
+    (found, sigma), without_weights = accuracies(camera, problem, plan["poses"], estimated, weight)
     worst = max(abs(s / t - 1) for s, t in zip(sigma, plan["intrinsics"]["sigma"]))
     stated = plan["map_error_px"]
     print(f"{plan_path}: {len(plan['poses'])} poses; map error {stated:.6f} px, by OpenCV and NumPy {found:.6f}; "
@@ -194,7 +218,7 @@ def compare(problem_path, plan_path):
     plain = plan.get("unweighted")
     if plain is None:
         return good
-    unweighted, sigma = accuracy(inverse(H) @ K @ inverse(H))
+    unweighted, sigma = without_weights
     worst = max(abs(s / t - 1) for s, t in zip(sigma, plain["sigma"]))
     print(f"    without weights {plain['map_error_px']:.6f} px, by OpenCV and NumPy {unweighted:.6f}; worst sigma off by {worst:.1e}")
     return good and abs(unweighted / plain["map_error_px"] - 1) <= TOLERANCE and worst <= TOLERANCE
