@@ -1,15 +1,17 @@
 //! The result of a calibration with its statistics.
 
-use nalgebra::{DMatrix, Point3, Vector2};
+use nalgebra::{DMatrix, Vector2};
 
-use super::normal_equations::Measurements;
+use super::normal_equations::{HEIGHTS, Measurements};
 use super::observability::inverse_information;
 use super::observations::{Corner, Observations};
 use super::refinement::{Convergence, Refined};
+use super::start::Start;
 use super::{CalibrationError, CalibrationSettings, Loss, Ties};
 use crate::camera::Camera;
 use crate::information::{NoiseModel, Unknowns};
 use crate::spatial::Pose;
+use crate::target::{Surface, Warp};
 
 /// A calibrated camera, the poses of its views, and how well they are known.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +28,10 @@ pub struct Calibration {
     /// information left after the poses; singular where some are tied. For a robust loss the weighted equations' information: exact without
     /// outliers in the limit of a wide scale.
     pub covariance: DMatrix<f64>,
+    /// The board's face: that of a flat one unless it was said to bulge.
+    pub surface: Surface,
+    /// Covariance of the board's heights, in their deviations, and of the estimated intrinsics, in this order; without heights, `covariance`.
+    pub joint_covariance: DMatrix<f64>,
     /// How the corners' scatter depends on how they are seen, by which they were weighed.
     pub noise: NoiseModel,
     /// Estimated standard deviation of one pixel coordinate of a corner of weight 1, under the edges' noise of one seen square-on,
@@ -45,6 +51,14 @@ impl Calibration {
     /// The intrinsics that were estimated, of the camera found.
     pub fn unknowns(&self) -> Unknowns<'_> {
         Unknowns { camera: &self.camera, estimated: &self.estimated }
+    }
+
+    /// How high the board's middle lies above its rim along x and along y, each with its standard deviation, m; `None` of a board that
+    /// was said to be flat.
+    pub fn warp(&self) -> Option<[[f64; 2]; Warp::HEIGHTS]> {
+        let unit = self.surface.warp()?.deviation;
+        let heights = self.surface.heights();
+        Some(std::array::from_fn(|i| [heights[i] * unit, self.joint_covariance[(i, i)].sqrt() * unit]))
     }
 
     /// Standard deviation of an intrinsic, by its index into [`Camera::intrinsics`]; 0 if it was not estimated.
@@ -76,9 +90,10 @@ pub(super) fn summarise(
 ) -> Result<Calibration, CalibrationError> {
     let Refined { start, convergence, information } = refined;
     let camera = start.camera.with_intrinsics(start.camera.intrinsics())?;
-    check_fold(observations, &camera, &start.poses)?;
+    let start = Start { camera: camera.clone(), ..start };
+    check_fold(observations, &start)?;
     let information = information.ok_or(CalibrationError::UnobservablePose)?;
-    let residuals = residuals(observations, &camera, &start.poses);
+    let residuals = residuals(observations, &camera, &start.poses, &start.surface);
     let lengths: Vec<f64> = residuals.iter().flatten().map(Vector2::norm_squared).collect();
     let whitened = residuals.iter().flatten().zip(&measurements.all);
     let squares: Vec<f64> = whitened.map(|(&r, corner)| square(corner.whitening.whitened(r.into()))).collect();
@@ -96,20 +111,37 @@ pub(super) fn summarise(
         Loss::Squared => (total / excess).sqrt(),
         Loss::Huber { .. } | Loss::Cauchy { .. } => robust_sigma,
     };
-    let S = DMatrix::from_fn(free.len(), free.len(), |i, j| {
-        let (a, b) = (free[i], free[j]);
-        information[a.min(b)][a.max(b)]
-    });
+    let heights = if start.surface.warp().is_some() { &HEIGHTS[..] } else { &[] };
+    let block = |rows: &[usize], columns: &[usize]| {
+        let entry = |i: usize, j: usize| information[rows[i].min(columns[j])][rows[i].max(columns[j])];
+        DMatrix::from_fn(rows.len(), columns.len(), entry)
+    };
+    // Of the heights something was known before.
+    let of_heights = block(heights, heights).try_inverse().ok_or(CalibrationError::UnobservablePose)?;
+    let across = block(&free, heights) * &of_heights;
+    let S = block(&free, &free) - &across * block(heights, &free);
     let inverse = inverse_information(&S, &free, &camera, &start.poses, sigma)?;
     // Those that are tied vary as one.
     let row = |i: usize| free.iter().position(|&j| j == settings.ties.leader(estimated[i])).unwrap_or_default();
     let p = estimated.len();
     let covariance = DMatrix::from_fn(p, p, |i, j| inverse[(row(i), row(j))] * (sigma * sigma));
+    // The inverse of the whole by its blocks.
+    let with_heights = -(&inverse * &across) * (sigma * sigma);
+    let of_heights = (of_heights + across.tr_mul(&(&inverse * &across))) * (sigma * sigma);
+    let s = heights.len();
+    let joint_covariance = DMatrix::from_fn(s + p, s + p, |i, j| match (i.checked_sub(s), j.checked_sub(s)) {
+        (Some(i), Some(j)) => covariance[(i, j)],
+        (Some(i), None) => with_heights[(row(i), j)],
+        (None, Some(j)) => with_heights[(row(j), i)],
+        (None, None) => of_heights[(i, j)],
+    });
     Ok(Calibration {
         camera,
         estimated: estimated.to_vec(),
         ties: settings.ties,
         covariance,
+        surface: start.surface,
+        joint_covariance,
         noise: settings.noise,
         sigma,
         rms: (lengths.iter().sum::<f64>() / lengths.len() as f64).sqrt(),
@@ -124,19 +156,25 @@ pub(super) fn summarise(
 }
 
 /// Projection less detection of every corner of every view, px; not finite where there is no projection.
-pub fn residuals(observations: &Observations, camera: &Camera, poses: &[Pose]) -> Vec<Vec<Vector2<f64>>> {
+pub fn residuals(
+    observations: &Observations,
+    camera: &Camera,
+    poses: &[Pose],
+    surface: &Surface,
+) -> Vec<Vec<Vector2<f64>>> {
     let residual = |corner: &Corner, X_CT: &Pose| {
-        let p_C = X_CT * Point3::from(observations.on_board(corner).push(0.0));
+        let p_C = X_CT * surface.point(&observations.on_board(corner));
         camera.project(&p_C).map_or(Vector2::repeat(f64::NAN), |pixel| pixel - corner.pixel)
     };
     let views = observations.views().iter().zip(poses);
     views.map(|(view, X_CT)| view.iter().map(|corner| residual(corner, X_CT)).collect()).collect()
 }
 
-pub(super) fn check_fold(observations: &Observations, camera: &Camera, poses: &[Pose]) -> Result<(), CalibrationError> {
+pub(super) fn check_fold(observations: &Observations, found: &Start) -> Result<(), CalibrationError> {
+    let Start { camera, poses, surface } = found;
     for (view, (corners, X_CT)) in observations.views().iter().zip(poses).enumerate() {
         for corner in corners {
-            if camera.project(&(X_CT * Point3::from(observations.on_board(corner).push(0.0)))).is_none() {
+            if camera.project(&(X_CT * surface.point(&observations.on_board(corner)))).is_none() {
                 let lens = camera.lens().name();
                 return Err(CalibrationError::FoldedLens { lens, view, index: corner.index });
             }

@@ -44,6 +44,7 @@ use thiserror::Error;
 
 use crate::camera::{Camera, CameraError, MAX_INTRINSICS};
 use crate::information::NoiseModel;
+use crate::target::{Surface, Warp};
 use normal_equations::Measurements;
 use refinement::{Refined, Sought};
 
@@ -60,6 +61,8 @@ pub struct CalibrationSettings {
     pub ties: Ties,
     /// How the corners' scatter depends on how they are seen, by which they are weighed. Default: not at all.
     pub noise: NoiseModel,
+    /// How the board may bulge, whose heights are estimated then. Default: not at all.
+    pub warp: Option<ExpectedWarp>,
     /// A corner is an outlier where its residual is longer than this many standard deviations of one coordinate.
     /// Default: 5, which Gaussian noise exceeds once in 270 000 corners.
     pub outlier_threshold: f64,
@@ -71,9 +74,19 @@ impl Default for CalibrationSettings {
             refinement: RefinementSettings::default(),
             ties: Ties::default(),
             noise: NoiseModel::Constant,
+            warp: None,
             outlier_threshold: 5.0,
         }
     }
+}
+
+/// How a board may bulge, as against how far its corners scatter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ExpectedWarp {
+    /// How far it may.
+    pub warp: Warp,
+    /// Standard deviation expected of a pixel coordinate of a corner, px; it decides how much the expectation weighs beside what is seen.
+    pub sigma: f64,
 }
 
 /// Why observations do not give a camera. Views count from 0.
@@ -279,9 +292,10 @@ fn one_to_one(
     let denominator = start.camera.lens().denominator();
     let plain: Vec<usize> = estimated.iter().copied().filter(|j| !denominator.contains(j)).collect();
     let sought = Sought { estimated: &plain, ties: &settings.ties, one_to_one: false };
-    let mut plain = refinement::refine(&Measurements::new(observations), start, sought, &settings.refinement).start;
+    let mut plain =
+        refinement::refine(&Measurements::new(observations, settings.warp), start, sought, &settings.refinement).start;
     plain.camera = plain.camera.with_intrinsics(plain.camera.intrinsics()).ok()?;
-    estimate::check_fold(observations, &plain.camera, &plain.poses).ok()?;
+    estimate::check_fold(observations, &plain).ok()?;
     let sought = Sought { estimated, ties: &settings.ties, one_to_one: true };
     let (refined, measurements) = weighed(observations, plain, sought, settings);
     estimate::summarise(observations, &measurements, refined, estimated, settings)
@@ -318,16 +332,18 @@ pub fn refine(
 /// as they were weighed last.
 fn weighed(
     observations: &Observations,
-    start: Start,
+    mut start: Start,
     sought: Sought<'_>,
     settings: &CalibrationSettings,
 ) -> (Refined, Measurements) {
-    let mut measurements = Measurements::new(observations);
+    if let (Some(expected), None) = (&settings.warp, start.surface.warp()) {
+        start.surface = Surface::new(expected.warp, [0.0; Warp::HEIGHTS]);
+    }
+    let mut measurements = Measurements::new(observations, settings.warp);
     let mut refined = refinement::refine(&measurements, start, sought, &settings.refinement);
     let rounds = if settings.noise == NoiseModel::Constant { 0 } else { REWEIGHTINGS };
     for _ in 0..rounds {
-        let Start { camera, poses } = &refined.start;
-        measurements = Measurements::weighed(observations, settings.noise, camera, poses);
+        measurements = Measurements::weighed(observations, settings, &refined.start);
         let before = refined.convergence.iterations;
         refined = refinement::refine(&measurements, refined.start, sought, &settings.refinement);
         refined.convergence.iterations += before;

@@ -10,17 +10,22 @@
 //!     [ W_kᵀ       V_k ] [ξ_k]     [g_k]      g   = gradient of half the cost
 //! ```
 //!
+//! Where the board may bulge, its heights are the last of θ, and their deviations one measurement each.
+//!
 //! so that `δθ` follows from the p×p Schur complement `S = U − Σ W_i V_i⁻¹ W_iᵀ` and each `ξ_i` from `δθ`.
 
-use nalgebra::{Point3, Vector2};
+use nalgebra::Vector2;
 
 use super::factor::Factor;
 use super::loss::Loss;
 use super::observations::Observations;
+use super::start::Start;
 use super::ties::Ties;
-use crate::camera::Camera;
-use crate::information::{NoiseModel, Whitening};
-use crate::spatial::{Pose, Tangent};
+use super::{CalibrationSettings, ExpectedWarp};
+use crate::camera::MAX_INTRINSICS;
+use crate::information::Whitening;
+use crate::spatial::Tangent;
+use crate::target::Warp;
 
 /// A corner as the equations need it.
 #[derive(Debug, Clone, Copy)]
@@ -38,11 +43,19 @@ pub(super) struct Measurement {
 pub(super) struct Measurements {
     pub(super) all: Vec<Measurement>,
     pub(super) ends: Vec<usize>,
+    /// How the board may bulge.
+    warp: Option<ExpectedWarp>,
 }
+
+/// Where the board's heights are among what all views have in common: behind all intrinsics.
+pub(super) const HEIGHTS: [usize; Warp::HEIGHTS] = [MAX_INTRINSICS, MAX_INTRINSICS + 1];
+
+/// Most numbers that all views have in common.
+pub(super) const MOST_SHARED: usize = MAX_INTRINSICS + Warp::HEIGHTS;
 
 impl Measurements {
     /// The corners of all views, each by its weight alone.
-    pub(super) fn new(observations: &Observations) -> Self {
+    pub(super) fn new(observations: &Observations, warp: Option<ExpectedWarp>) -> Self {
         let mut all = Vec::with_capacity(observations.corner_count());
         let mut ends = Vec::with_capacity(observations.views().len());
         for view in observations.views() {
@@ -53,21 +66,22 @@ impl Measurements {
             }));
             ends.push(all.len());
         }
-        Self { all, ends }
+        Self { all, ends, warp }
     }
 
-    /// The same, each corner by its scatter as `model` has it where `camera` sees it from `poses`, and by its weight.
-    pub(super) fn weighed(observations: &Observations, model: NoiseModel, camera: &Camera, poses: &[Pose]) -> Self {
-        let mut measurements = Self::new(observations);
+    /// The same, each corner by its scatter as the settings' noise has it where a camera sees it, and by its weight.
+    pub(super) fn weighed(observations: &Observations, settings: &CalibrationSettings, seen: &Start) -> Self {
+        let Start { camera, poses, surface } = seen;
+        let mut measurements = Self::new(observations, settings.warp);
         let corners =
             observations.views().iter().zip(poses).flat_map(|(view, pose)| view.iter().map(move |c| (c, pose)));
         for (measurement, (corner, X_CT)) in measurements.all.iter_mut().zip(corners) {
             let R = X_CT.rotation.to_rotation_matrix().into_inner();
-            let p_C = X_CT * Point3::from(measurement.point.push(0.0));
+            let p_C = X_CT * surface.point(&measurement.point);
             // What has no image is told of elsewhere.
             let Some(projection) = camera.project_with_derivatives(&p_C) else { continue };
             let feature = observations.board().feature(corner.index);
-            let whitening = model.whitening_in_view(&feature, &projection.by_point, &R);
+            let whitening = settings.noise.whitening_in_view(&feature, &projection.by_point, &R, camera.vergence(&p_C));
             measurement.whitening = whitening.weighted(corner.weight);
         }
         measurements
@@ -120,17 +134,18 @@ struct Eliminated<const P: usize> {
 }
 
 impl<const P: usize> NormalEquations<P> {
-    pub(super) fn new(views: usize, estimated: &[usize], ties: &Ties) -> Self {
+    pub(super) fn new(views: usize, estimated: &[usize], ties: &Ties, bulges: bool) -> Self {
         let blocks = ViewBlocks { V: [[0.0; 6]; 6], W: [[0.0; 6]; P], g: [0.0; 6] };
         let free = ties.free(estimated);
-        let is_free = std::array::from_fn(|j| free.contains(&j));
+        let is_free = std::array::from_fn(|j| free.contains(&j) || bulges && HEIGHTS.contains(&j));
         let followers = ties.followers().filter(|(j, _)| estimated.contains(j)).collect();
         Self { U: [[0.0; P]; P], g: [0.0; P], views: vec![blocks; views], is_free, followers }
     }
 
-    /// Sums the blocks at `camera` and `poses` and returns the cost, px²; infinite where a corner has no image.
+    /// Sums the blocks at a point and returns the cost, px²; infinite where a corner has no image.
     #[allow(clippy::needless_range_loop, reason = "the indices are the algorithm")]
-    pub(super) fn sum(&mut self, measurements: &Measurements, camera: &Camera, poses: &[Pose], loss: Loss) -> f64 {
+    pub(super) fn sum(&mut self, measurements: &Measurements, at: &Start, loss: Loss) -> f64 {
+        let Start { camera, poses, surface } = at;
         self.U = [[0.0; P]; P];
         self.g = [0.0; P];
         let mut cost = 0.0;
@@ -139,7 +154,12 @@ impl<const P: usize> NormalEquations<P> {
             let R = X_CT.rotation.to_rotation_matrix().into_inner();
             for measurement in view {
                 // From the board's origin to the corner, in C.
-                let arm = R.column(0) * measurement.point.x + R.column(1) * measurement.point.y;
+                let place = &measurement.point;
+                let rises = surface.warp().map(|warp| warp.rises(place));
+                let mut arm = R.column(0) * place.x + R.column(1) * place.y;
+                if let Some(rises) = &rises {
+                    arm += R.column(2) * dot(rises, &surface.heights());
+                }
                 let Some(projection) = camera.project_with_derivatives(&(arm + X_CT.translation.vector).into()) else {
                     return f64::INFINITY;
                 };
@@ -153,13 +173,16 @@ impl<const P: usize> NormalEquations<P> {
                 let mut a = [[0.0; P]; 2];
                 let mut b = [[0.0; 6]; 2];
                 for row in 0..2 {
-                    for j in 0..P {
+                    for j in 0..P.min(MAX_INTRINSICS) {
                         a[row][j] = root * by_intrinsics[(row, j)];
                     }
                     for &(j, leader) in &self.followers {
                         a[row][leader] += a[row][j];
                     }
                     let J = by_point.row(row) * root;
+                    for (j, rise) in HEIGHTS.into_iter().zip(rises.into_iter().flatten()) {
+                        a[row][j] = rise * (J * R.column(2))[0];
+                    }
                     // ∂p_C/∂ω = −[arm]× and ∂p_C/∂v = 1.
                     b[row] = [
                         arm.y * J[2] - arm.z * J[1],
@@ -171,6 +194,13 @@ impl<const P: usize> NormalEquations<P> {
                     ];
                 }
                 accumulate((&mut self.U, &mut self.g), blocks, &a, &b, r.map(|r| root * r));
+            }
+        }
+        if let Some(ExpectedWarp { sigma, .. }) = measurements.warp {
+            for (j, height) in HEIGHTS.into_iter().zip(surface.heights()) {
+                cost += (sigma * height).powi(2);
+                self.U[j][j] += sigma * sigma;
+                self.g[j] += sigma * sigma * height;
             }
         }
         self.hold_fixed();

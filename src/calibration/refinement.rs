@@ -1,11 +1,12 @@
 //! Levenberg–Marquardt over the intrinsics and all poses.
 
 use super::loss::Loss;
-use super::normal_equations::{Measurements, NormalEquations, Step};
+use super::normal_equations::{HEIGHTS, MOST_SHARED, Measurements, NormalEquations, Step};
 use super::start::Start;
 use super::ties::Ties;
 use crate::camera::{Camera, MAX_INTRINSICS};
 use crate::spatial::perturb;
+use crate::target::Surface;
 
 /// How to refine.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,7 +49,7 @@ pub(super) struct Refined {
     pub(super) start: Start,
     pub(super) convergence: Convergence,
     /// `S`, of which the model's upper triangle is set; `None` where a view does not fix its own pose.
-    pub(super) information: Option<[[f64; MAX_INTRINSICS]; MAX_INTRINSICS]>,
+    pub(super) information: Option<[[f64; MOST_SHARED]; MOST_SHARED]>,
 }
 
 /// What is left is negligible below this share of the estimate's deviation. In the valley where a rational lens's numerator
@@ -93,6 +94,7 @@ pub(super) fn refine(
     settings: &RefinementSettings,
 ) -> Refined {
     match start.camera.intrinsics().len() {
+        _ if start.surface.warp().is_some() => refine_sized::<MOST_SHARED>(measurements, start, sought, settings),
         4 => refine_sized::<4>(measurements, start, sought, settings),
         8 => refine_sized::<8>(measurements, start, sought, settings),
         9 => refine_sized::<9>(measurements, start, sought, settings),
@@ -109,18 +111,19 @@ fn refine_sized<const P: usize>(
     let freedoms = ties.free(estimated).len() + 6 * start.poses.len();
     let excess = (2 * measurements.all.len()).saturating_sub(freedoms).max(1) as f64;
     let views = start.poses.len();
-    let Start { mut camera, mut poses } = start;
-    let mut equations = NormalEquations::<P>::new(views, estimated, ties);
+    let mut at = start;
+    let mut equations = NormalEquations::<P>::new(views, estimated, ties, at.surface.warp().is_some());
     let mut trial_equations = equations.clone();
-    let mut trial_poses = poses.clone();
+    let mut trial = at.clone();
     let mut step = Step::<P>::new(views);
 
-    let mut cost = equations.sum(measurements, &camera, &poses, settings.loss);
+    let mut cost = equations.sum(measurements, &at, settings.loss);
     let mut λ = FIRST_DAMPING;
     let mut growth = GROWTH;
     let mut last_decrement = f64::INFINITY;
     let mut convergence = Convergence { converged: false, iterations: 0, cost, decrement: f64::INFINITY };
-    let most = if camera.lens().denominator().is_empty() { 1 } else { VALLEY }.saturating_mul(settings.max_iterations);
+    let most =
+        if at.camera.lens().denominator().is_empty() { 1 } else { VALLEY }.saturating_mul(settings.max_iterations);
     while convergence.iterations < most && λ < HOPELESS_DAMPING && cost.is_finite() {
         // A step's length in residuals over their deviation is its length in deviations of the estimate.
         let negligible = (settings.tolerance.powi(2) * cost / excess).max(ROUNDING * ROUNDING);
@@ -136,14 +139,16 @@ fn refine_sized<const P: usize>(
         }
         convergence.iterations += 1;
         if solved {
-            let trial = moved(&camera, &step, one_to_one);
-            for ((trial, pose), ξ) in trial_poses.iter_mut().zip(&poses).zip(&step.ξ) {
+            trial.camera = moved(&at.camera, &step, one_to_one);
+            if let Some(&warp) = at.surface.warp() {
+                let heights = at.surface.heights();
+                trial.surface = Surface::new(warp, std::array::from_fn(|i| heights[i] + step.δθ[HEIGHTS[i]]));
+            }
+            for ((trial, pose), ξ) in trial.poses.iter_mut().zip(&at.poses).zip(&step.ξ) {
                 *trial = perturb(pose, ξ);
             }
-            let trial_cost = match trial.intrinsics() {
-                [fx, fy, ..] if *fx > 0.0 && *fy > 0.0 => {
-                    trial_equations.sum(measurements, &trial, &trial_poses, settings.loss)
-                }
+            let trial_cost = match trial.camera.intrinsics() {
+                [fx, fy, ..] if *fx > 0.0 && *fy > 0.0 => trial_equations.sum(measurements, &trial, settings.loss),
                 _ => f64::INFINITY,
             };
             let resolved = step.predicted > COST_ROUNDING * cost;
@@ -165,8 +170,7 @@ fn refine_sized<const P: usize>(
                 growth = GROWTH;
                 last_decrement = step.decrement;
                 cost = trial_cost;
-                camera = trial;
-                std::mem::swap(&mut poses, &mut trial_poses);
+                std::mem::swap(&mut at, &mut trial);
                 std::mem::swap(&mut equations, &mut trial_equations);
                 continue;
             }
@@ -181,13 +185,13 @@ fn refine_sized<const P: usize>(
         convergence.converged = convergence.decrement <= NEGLIGIBLE.powi(2) * cost / excess;
     }
     let information = equations.information().map(|S| {
-        let mut padded = [[0.0; MAX_INTRINSICS]; MAX_INTRINSICS];
+        let mut padded = [[0.0; MOST_SHARED]; MOST_SHARED];
         for (row, padded) in S.iter().zip(&mut padded) {
             padded[..P].copy_from_slice(row);
         }
         padded
     });
-    Refined { start: Start { camera, poses }, convergence, information }
+    Refined { start: at, convergence, information }
 }
 
 fn moved<const P: usize>(camera: &Camera, step: &Step<P>, one_to_one: bool) -> Camera {

@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use super::homography::homography;
 use super::observations::Observations;
-use crate::information::{Noise, NoiseModel};
+use crate::information::{Blur, Noise, NoiseModel};
 use crate::target::Feature;
 
 /// How the corners of repeated pictures scatter, and which model of it fits.
@@ -60,12 +60,12 @@ struct Repeated {
 }
 
 impl Scatter {
-    /// Of `scenes`, each the pictures of one camera and one board that both stand still, and of a detector with that `window`, half
-    /// its side in px.
+    /// Of `scenes`, each the pictures of one camera and one board that both stand still, of a detector with that `window`, half
+    /// its side in px, and of the camera's `blur`.
     ///
     /// # Errors
     /// When no corner was seen twice, or all are the same.
-    pub fn new(scenes: &[Observations], window: f64) -> Result<Self, ScatterError> {
+    pub fn new(scenes: &[Observations], window: f64, blur: Blur) -> Result<Self, ScatterError> {
         let corners: Vec<Repeated> = scenes.iter().flat_map(repeated).collect();
         let freedoms = corners.iter().map(|corner| 2 * (corner.deviations.len() - 1)).sum();
         if freedoms == 0 {
@@ -75,7 +75,7 @@ impl Scatter {
             return Err(ScatterError::Copies);
         }
         let constant = fitted(&corners, freedoms, NoiseModel::Constant);
-        let edges = fitted(&corners, freedoms, NoiseModel::Edges { window });
+        let edges = fitted(&corners, freedoms, NoiseModel::Edges { window, blur: blur.at_rest() });
         let (common_shift, expected_shift) = shifts(scenes);
         Ok(Self { corners: corners.len(), freedoms, constant, edges, common_shift, expected_shift })
     }

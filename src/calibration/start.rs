@@ -8,6 +8,7 @@ use super::observations::Observations;
 use super::zhang::{Pinhole, pose_of_homography};
 use crate::camera::{Camera, MAX_INTRINSICS};
 use crate::spatial::Pose;
+use crate::target::Surface;
 
 /// A camera and the poses `X_CT` of the board in it, one a view.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,6 +17,8 @@ pub struct Start {
     pub camera: Camera,
     /// The views' poses.
     pub poses: Vec<Pose>,
+    /// The board's face.
+    pub surface: Surface,
 }
 
 /// Focal lengths tried where there is no closed form, as shares of the image's longer side: from a fisheye that sees
@@ -129,7 +132,7 @@ impl<'a> Unknown<'a> {
         {
             [θ[k1], θ[k2]] = self.radial_distortion(&θ, &poses);
         }
-        Ok(Start { camera: self.nominal.extrapolated(&θ), poses })
+        Ok(Start { camera: self.nominal.extrapolated(&θ), poses, surface: Surface::FLAT })
     }
 
     /// `k1` and `k2` by linear least squares from what the undistorted camera leaves (Zhang, eq. 13), or zeros where
@@ -193,7 +196,7 @@ impl<'a> Unknown<'a> {
             points.resect(&camera).ok_or(CalibrationError::NoStart { view })
         });
         let poses = poses.collect::<Result<Vec<_>, _>>()?;
-        Ok(Start { camera, poses })
+        Ok(Start { camera, poses, surface: Surface::FLAT })
     }
 }
 

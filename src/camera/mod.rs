@@ -173,6 +173,14 @@ impl Camera {
         Some(Projection { pixel: Vector2::new(fx * d.point.x + cx, fy * d.point.y + cy), by_point, by_intrinsics })
     }
 
+    /// Vergence of a point `p_C` (m), in 1/m: one over its distance as the lens is focused on it, which is that along the axis, or
+    /// through a fisheye, which sees a sphere sharp and not a plane, that from its centre.
+    #[inline]
+    pub fn vergence(&self, p_C: &Point3<f64>) -> f64 {
+        let distance = if self.lens.is_fisheye() { p_C.coords.norm() } else { p_C.z };
+        distance.recip()
+    }
+
     /// The direction in C whose image is `pixel`, or `None` where the lens reaches no such pixel.
     pub fn unproject(&self, pixel: &Vector2<f64>) -> Option<Unit<Vector3<f64>>> {
         let [fx, fy, cx, cy, ref coefficients @ ..] = self.intrinsics;
@@ -281,6 +289,18 @@ mod tests {
             Camera::new(Lens::KannalaBrandt, 1000, 1000, &[250.0, 250.0, 500.0, 500.0, 0.0, 0.0, 0.0, 0.0]).unwrap();
         let pixel = camera.project(&Point3::new(1.0, 0.0, -0.1)).unwrap();
         assert!((pixel.x - 500.0 - 250.0 * (1.0f64).atan2(-0.1)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn vergence_is_by_the_depth_and_through_a_fisheye_by_the_distance() {
+        let point = Point3::new(0.3, 0.0, 0.4);
+        let vergence = |lens: Lens| {
+            let intrinsics =
+                [[250.0, 250.0, 500.0, 500.0].as_slice(), &vec![0.0; lens.parameter_names().len() - 4]].concat();
+            Camera::new(lens, 1000, 1000, &intrinsics).unwrap().vergence(&point)
+        };
+        assert_eq!(vergence(Lens::BrownConrady), 2.5);
+        assert_eq!(vergence(Lens::KannalaBrandt), 2.0);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! What a view teaches about the camera's intrinsics.
 
+mod blur;
 mod criterion;
 mod diversity;
 mod image_area;
@@ -11,6 +12,7 @@ mod view;
 mod weakest;
 mod zhang;
 
+pub use blur::Blur;
 pub use criterion::{Criterion, UnknownCriterion};
 pub use diversity::DiversityModel;
 pub use noise::{Noise, NoiseModel, NoiseName, Whitening};

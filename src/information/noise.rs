@@ -10,12 +10,13 @@
 //! ```
 //!
 //! so that σ is the deviation of a corner of large squares that are seen square-on, for which T = 2w·1. The edge of a circle
-//! tells of its centre in the same way, `T = ∮ n nᵀ ds`.
+//! tells of its centre in the same way, `T = ∮ n nᵀ ds`. Of blurred edges, T is less ([`Blur`]).
 
 use std::f64::consts::TAU;
 
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, SMatrix, Vector2};
 
+use super::blur::Blur;
 use crate::target::Feature;
 
 /// How far detected points scatter.
@@ -37,6 +38,8 @@ pub enum NoiseModel {
     Edges {
         /// Half the side of the detector's window in px.
         window: f64,
+        /// Defocus and motion; with them σ is that of a sharp corner.
+        blur: Blur,
     },
 }
 
@@ -111,22 +114,35 @@ impl NoiseModel {
     /// Half the side of the window, px, where nothing is said: what most programs give OpenCV's `cornerSubPix`.
     pub const USUAL_WINDOW: f64 = 5.0;
 
-    /// The whitening of a point in a view by what it is, by the derivative of its pixel by its place in C (px per m), and by the
-    /// rotation of `X_CT`.
+    /// The whitening of a point in a view by what it is, by the derivative of its pixel by its place in C (px per m), by the
+    /// rotation of `X_CT`, and by its vergence, [`Camera::vergence`](crate::camera::Camera::vergence).
     #[inline]
-    pub fn whitening_in_view(&self, feature: &Feature, by_point: &Matrix2x3<f64>, R: &Matrix3<f64>) -> Whitening {
+    pub fn whitening_in_view(
+        &self,
+        feature: &Feature,
+        by_point: &Matrix2x3<f64>,
+        R: &Matrix3<f64>,
+        vergence: f64,
+    ) -> Whitening {
         match self {
             Self::Constant => Whitening::NONE,
-            Self::Edges { .. } => self.whitening(feature, &(by_point * R.fixed_columns::<2>(0))),
+            Self::Edges { window, blur } => {
+                edges(*window, blur, feature, &(by_point * R.fixed_columns::<2>(0)), vergence)
+            }
         }
     }
 
-    /// The whitening of a point by what it is and by the derivative of its pixel by its place on the board (px per m).
+    /// The whitening of a point by what it is and by the derivative of its pixel by its place on the board (px per m). How far
+    /// it is away, which blur depends on, follows from that as if it were on the axis.
     #[inline]
     pub fn whitening(&self, feature: &Feature, by_place: &Matrix2<f64>) -> Whitening {
         match self {
             Self::Constant => Whitening::NONE,
-            Self::Edges { window } => edges(*window, feature, by_place),
+            Self::Edges { window, blur } => {
+                // The direction that is seen square-on is magnified by f/z.
+                let magnification = by_place.singular_values().max();
+                edges(*window, blur, feature, by_place, magnification / blur.focal_length)
+            }
         }
     }
 
@@ -152,21 +168,30 @@ impl NoiseName {
     }
 }
 
-fn edges(window: f64, feature: &Feature, by_place: &Matrix2<f64>) -> Whitening {
+fn edges(window: f64, blur: &Blur, feature: &Feature, by_place: &Matrix2<f64>, vergence: f64) -> Whitening {
     let T = match feature {
         Feature::Point => return Whitening::NONE,
-        Feature::Corner { edges, is_crossing } => of_corner(window, edges, *is_crossing, by_place),
-        Feature::Circle { radius } => of_circle(*radius, by_place),
+        Feature::Corner { edges, is_crossing } => {
+            let in_picture = edges.map(|edge| by_place * edge);
+            let reach = window * sine(&in_picture).max(LEAST_SHARE);
+            of_corner(window, &in_picture, *is_crossing) * blur.corner(vergence, reach)
+        }
+        Feature::Circle { radius } => of_circle(*radius, by_place) * blur.edge(vergence),
     };
     let least = Matrix2::from_diagonal_element(LEAST_SHARE);
     Whitening::of(&(T / (2.0 * window) + least))
 }
 
-/// T of a corner, px: of its edges, `edges` on the board in m, the part that is in the window and not beyond the next corner.
-fn of_corner(window: f64, edges: &[Vector2<f64>; 2], is_crossing: bool, by_place: &Matrix2<f64>) -> Matrix2<f64> {
+/// Sine of the angle at which two edges meet; 0 where one has no length.
+fn sine([a, b]: &[Vector2<f64>; 2]) -> f64 {
+    let lengths = a.norm() * b.norm();
+    if lengths > 0.0 { a.perp(b).abs() / lengths } else { 0.0 }
+}
+
+/// T of a corner, px: of its edges in the picture, px, the part that is in the window and not beyond the next corner.
+fn of_corner(window: f64, edges: &[Vector2<f64>; 2], is_crossing: bool) -> Matrix2<f64> {
     let sides = if is_crossing { 2.0 } else { 1.0 };
-    let of_edge = |edge: &Vector2<f64>| {
-        let along = by_place * edge;
+    let of_edge = |along: &Vector2<f64>| {
         let length = along.norm();
         if length == 0.0 {
             return Matrix2::zeros();
@@ -195,7 +220,7 @@ fn of_circle(radius: f64, by_place: &Matrix2<f64>) -> Matrix2<f64> {
 mod tests {
     use super::*;
 
-    const EDGES: NoiseModel = NoiseModel::Edges { window: 5.0 };
+    const EDGES: NoiseModel = NoiseModel::Edges { window: 5.0, blur: Blur::NONE };
 
     fn corner(is_crossing: bool) -> Feature {
         Feature::Corner { edges: [Vector2::new(0.03, 0.0), Vector2::new(0.0, 0.03)], is_crossing }
@@ -249,6 +274,36 @@ mod tests {
         assert_near(&round, [[10.0 / (20.0 * std::f64::consts::PI), 0.0], [0.0, 10.0 / (20.0 * std::f64::consts::PI)]]);
         let flat = EDGES.whitening(&circle, &Matrix2::new(2000.0, 0.0, 0.0, 500.0)).covariance();
         assert!(flat.m11 > 2.0 * flat.m22 && flat.m12.abs() < 1e-12, "{flat}");
+    }
+
+    #[test]
+    fn edges_out_of_focus_scatter_more_and_the_most_where_they_meet_at_a_sharp_angle() {
+        // A disc of 4 px widens the edges: see `blur`.
+        let blur = Blur { focal_length: 1000.0, aperture: 0.002, focus: 2.0, ..Blur::NONE };
+        let blurred = NoiseModel::Edges { window: 5.0, blur };
+        let R = Matrix3::identity();
+        let by_point = Matrix2x3::new(4000.0, 0.0, 0.0, 0.0, 4000.0, 0.0);
+        let found = blurred.whitening_in_view(&corner(true), &by_point, &R, 4.0).covariance();
+        assert_near(&found, [[1.0 / 0.292165, 0.0], [0.0, 1.0 / 0.292165]]);
+        // On the axis the distance follows from the derivative by the place, however the board is tilted.
+        let tilted = *nalgebra::Rotation3::from_axis_angle(&nalgebra::Vector3::x_axis(), 1.1).matrix();
+        let [in_view, on_board] = [
+            blurred.whitening_in_view(&corner(true), &by_point, &tilted, 4.0),
+            blurred.whitening(&corner(true), &(by_point * tilted.fixed_columns::<2>(0))),
+        ];
+        assert!((in_view.covariance() - on_board.covariance()).norm() < 1e-9);
+        let loss = |feature: &Feature| {
+            let by_place = by_point * tilted.fixed_columns::<2>(0);
+            let [dim, clear] =
+                [blurred, EDGES].map(|model| model.whitening(feature, &by_place).covariance().determinant());
+            dim / clear
+        };
+        let sharp_angle =
+            Feature::Corner { edges: [Vector2::new(0.03, 0.03), Vector2::new(-0.03, 0.03)], is_crossing: true };
+        assert!(loss(&sharp_angle) > 1.2 * loss(&corner(true)));
+        assert!((loss(&corner(true)) / loss(&corner(false)) - 1.0).abs() < 1e-3);
+        assert!(loss(&corner(true)) > 1.2 * loss(&Feature::Circle { radius: 0.01 }));
+        assert!((loss(&Feature::Circle { radius: 0.01 }) - 13.0 / 4.0).abs() < 1e-3);
     }
 
     #[test]

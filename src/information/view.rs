@@ -1,14 +1,14 @@
 //! Information of one view of the board.
 
-use nalgebra::{Matrix2x6, Matrix3, Point3, Vector3};
+use nalgebra::{DMatrix, Matrix2x6, Matrix3, Point3, SMatrix, Vector3};
 use rayon::prelude::*;
 
 use super::{Noise, Unknowns, Whitening};
 use crate::camera::{IntrinsicsJacobian, MAX_INTRINSICS};
 use crate::selection::InformationSet;
-use crate::selection::packed::packed_len;
+use crate::selection::packed::{inverse, packed_len};
 use crate::spatial::{Pose, skew};
-use crate::target::{Board, Corners, Feature};
+use crate::target::{Board, Corners, Feature, Warp};
 
 /// What is observed, how well, and what is to be learnt from it.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +21,9 @@ pub struct Measurement<'a> {
     pub features: Vec<Feature>,
     /// How far they scatter.
     pub noise: Noise,
+    /// How the board may bulge. Its heights are estimated too, of all views together: where it is given, the information is of
+    /// them and of the intrinsics, in this order.
+    pub warp: Option<Warp>,
 }
 
 /// A corner's pixel by what it depends on.
@@ -28,26 +31,46 @@ pub(super) struct Derivatives {
     pub(super) by_intrinsics: IntrinsicsJacobian,
     /// By `(ω, v)`.
     pub(super) by_pose: Matrix2x6<f64>,
+    /// By the board's heights; zero where it is flat.
+    pub(super) by_heights: SMatrix<f64, 2, { Warp::HEIGHTS }>,
     pub(super) whitening: Whitening,
 }
 
 const POSE: usize = 6;
-const MOST_COLUMNS: usize = POSE + MAX_INTRINSICS;
+const MOST_COLUMNS: usize = POSE + Warp::HEIGHTS + MAX_INTRINSICS;
 
 impl<'a> Measurement<'a> {
     /// Of a board's corners.
     pub fn new(unknowns: Unknowns<'a>, board: &Board, noise: Noise) -> Self {
         let features = (0..board.corner_count()).map(|i| board.feature(i)).collect();
-        Self { unknowns, corners: board.corners().collect(), features, noise }
+        Self { unknowns, corners: board.corners().collect(), features, noise, warp: None }
     }
 
-    /// Information that the view of the corners `seen` from `X_CT` gives on the p estimated intrinsics once the view's own pose is
-    /// eliminated, p×p packed: the Schur complement `(AᵀA − AᵀB (BᵀB)⁻¹ BᵀA) / σ²` of the normal matrix, where A (2m×p)
+    /// How many numbers are estimated of all views together beside the intrinsics, and before them in all rows and columns: the
+    /// board's heights.
+    pub fn nuisance(&self) -> usize {
+        if self.warp.is_some() { Warp::HEIGHTS } else { 0 }
+    }
+
+    /// The order of its matrices: the nuisance and the intrinsics.
+    pub fn order(&self) -> usize {
+        self.nuisance() + self.unknowns.len()
+    }
+
+    /// Covariance of the p intrinsics, p×p, by information on all that is estimated of all views together; `None` if it leaves
+    /// something open.
+    pub fn covariance(&self, information: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+        let (first, p) = (self.nuisance(), self.unknowns.len());
+        Some(inverse(information)?.view((first, first), (p, p)).into_owned())
+    }
+
+    /// Information that the view of the corners `seen` from `X_CT` gives on the p estimated intrinsics, and before them on the heights
+    /// of a board that may bulge, once the view's own pose is eliminated, p×p packed: the Schur complement `(AᵀA − AᵀB (BᵀB)⁻¹ BᵀA) / σ²` of the normal matrix, where A (2m×p)
     /// and B (2m×6) are the residual Jacobians by the intrinsics and by the pose, whitened by the corners' covariances.
     ///
     /// `None` if a corner has no image or the corners do not determine the pose.
     pub(crate) fn information(&self, X_CT: &Pose, seen: &Corners) -> Option<Vec<f64>> {
-        let mut elimination = Elimination::new(self.unknowns.len());
+        let mut elimination = Elimination::new(self.order());
         match seen {
             Corners::All => self.add(&mut elimination, X_CT, 0..self.corners.len()),
             Corners::Some(indices) => self.add(&mut elimination, X_CT, indices.iter().copied()),
@@ -64,13 +87,18 @@ impl<'a> Measurement<'a> {
     fn add(&self, elimination: &mut Elimination, X_CT: &Pose, corners: impl Iterator<Item = usize>) -> Option<()> {
         let R = X_CT.rotation.to_rotation_matrix().into_inner();
         for i in corners {
-            let Derivatives { by_intrinsics, by_pose, whitening } =
+            let Derivatives { by_intrinsics, by_pose, by_heights, whitening } =
                 self.derivatives(i, &R, &X_CT.translation.vector)?;
             let [mut u, mut v] = [[0.0; MOST_COLUMNS]; 2];
             for j in 0..POSE {
                 [u[j], v[j]] = whitening.whitened(by_pose.column(j).into());
             }
+            let nuisance = self.nuisance();
+            for j in 0..nuisance {
+                [u[POSE + j], v[POSE + j]] = whitening.whitened(by_heights.column(j).into());
+            }
             for (j, &parameter) in self.unknowns.estimated.iter().enumerate() {
+                let j = nuisance + j;
                 [u[POSE + j], v[POSE + j]] = whitening.whitened(by_intrinsics.column(parameter).into());
             }
             elimination.add(u);
@@ -84,12 +112,21 @@ impl<'a> Measurement<'a> {
     pub(super) fn derivatives(&self, i: usize, R: &Matrix3<f64>, t: &Vector3<f64>) -> Option<Derivatives> {
         // The pose is perturbed about the board's centre (see `spatial::perturb`).
         let arm = R * self.corners[i].coords;
-        let projection = self.unknowns.camera.project_with_derivatives(&(arm + t).into())?;
+        let (camera, p_C) = (self.unknowns.camera, Point3::from(arm + t));
+        let projection = camera.project_with_derivatives(&p_C)?;
         let mut by_pose = Matrix2x6::zeros();
         by_pose.fixed_columns_mut::<3>(0).copy_from(&(-projection.by_point * skew(&arm)));
         by_pose.fixed_columns_mut::<3>(3).copy_from(&projection.by_point);
-        let whitening = self.noise.model.whitening_in_view(&self.features[i], &projection.by_point, R);
-        Some(Derivatives { by_intrinsics: projection.by_intrinsics, by_pose, whitening })
+        let vergence = camera.vergence(&p_C);
+        let whitening = self.noise.model.whitening_in_view(&self.features[i], &projection.by_point, R, vergence);
+        let mut by_heights = SMatrix::<f64, 2, { Warp::HEIGHTS }>::zeros();
+        if let Some(warp) = &self.warp {
+            let up = projection.by_point * R.column(2);
+            for (mut column, rise) in by_heights.column_iter_mut().zip(warp.rises(&self.corners[i].coords.xy())) {
+                column.copy_from(&(up * rise));
+            }
+        }
+        Some(Derivatives { by_intrinsics: projection.by_intrinsics, by_pose, by_heights, whitening })
     }
 
     /// Information of many views, each from its `X_CT` and of the corners seen, in their order; `None` as for one.
@@ -99,7 +136,7 @@ impl<'a> Measurement<'a> {
     ) -> Option<InformationSet> {
         let rows: Option<Vec<Vec<f64>>> =
             views.into_par_iter().with_min_len(32).map(|(X_CT, seen)| self.information(X_CT, seen)).collect();
-        InformationSet::from_packed_unchecked(self.unknowns.len(), rows?.concat()).ok()
+        InformationSet::from_packed_unchecked(self.order(), rows?.concat()).ok()
     }
 }
 
@@ -206,6 +243,7 @@ mod tests {
     use crate::information::NoiseModel;
     use crate::selection::packed::unpack;
     use crate::spatial::{Tangent, perturb};
+    use crate::target::Surface;
 
     const NOISE: Noise = Noise { sigma: 0.3, model: NoiseModel::Constant };
 
@@ -219,14 +257,22 @@ mod tests {
         let X_CT = Pose::new(Vector3::new(0.05, -0.03, 0.6), Vector3::new(2.8, 0.2, -0.3));
         let estimated = [0, 1, 2, 3, 4, 5, 8];
         let unknowns = Unknowns { camera: &camera, estimated: &estimated };
-        let measurement = Measurement::new(unknowns, &board, NOISE);
-        let image = |camera: &Camera, X_CT: &Pose| -> Vec<f64> {
-            corners.iter().flat_map(|p| camera.project(&(X_CT * p)).unwrap().data.0[0]).collect()
+        let warp = Warp::new(1e-3, &board);
+        let measurement = Measurement { warp: Some(warp), ..Measurement::new(unknowns, &board, NOISE) };
+        let image_of = |camera: &Camera, X_CT: &Pose, heights: [f64; 2]| -> Vec<f64> {
+            let surface = Surface::new(warp, heights);
+            let pixel = |p: &Point3<f64>| camera.project(&(X_CT * surface.point(&p.coords.xy()))).unwrap().data.0[0];
+            corners.iter().flat_map(pixel).collect()
         };
+        let image = |camera: &Camera, X_CT: &Pose| image_of(camera, X_CT, [0.0; 2]);
         let slope = |plus: Vec<f64>, minus: Vec<f64>, h: f64| {
             nalgebra::DVector::from_iterator(plus.len(), plus.iter().zip(&minus).map(|(a, b)| (a - b) / (2.0 * h)))
         };
-        let A = DMatrix::from_columns(&estimated.map(|j| {
+        let heights = [[1.0, 0.0], [0.0, 1.0]].map(|unit| {
+            let moved = |h: f64| image_of(&camera, &X_CT, unit.map(|entry| h * entry));
+            slope(moved(1e-3), moved(-1e-3), 1e-3)
+        });
+        let intrinsics = estimated.map(|j| {
             let h = if j < 4 { 1e-3 } else { 1e-6 };
             let moved = |h: f64| {
                 let mut θ = θ;
@@ -234,7 +280,8 @@ mod tests {
                 camera.with_intrinsics(&θ).unwrap()
             };
             slope(image(&moved(h), &X_CT), image(&moved(-h), &X_CT), h)
-        }));
+        });
+        let A = DMatrix::from_columns(&[heights.as_slice(), &intrinsics].concat());
         let B = DMatrix::from_columns(&[0, 1, 2, 3, 4, 5].map(|j| {
             let h = 1e-6;
             let moved = |h: f64| {
@@ -246,9 +293,13 @@ mod tests {
         }));
         let Q = B.qr().q();
         let definition = (A.transpose() * &A - A.transpose() * &Q * Q.transpose() * &A) / (0.3 * 0.3);
-        let M = unpack(&measurement.information(&X_CT, &Corners::All).unwrap(), estimated.len());
-        for i in 0..estimated.len() {
-            for j in 0..estimated.len() {
+        // Of a flat board the intrinsics' part of it.
+        let flat = Measurement::new(unknowns, &board, NOISE);
+        for (measurement, first) in [(measurement, 0), (flat, 2)] {
+            let p = measurement.order();
+            let M = unpack(&measurement.information(&X_CT, &Corners::All).unwrap(), p);
+            let definition = definition.view((first, first), (p, p));
+            for (i, j) in (0..p).flat_map(|i| (0..p).map(move |j| (i, j))) {
                 let scale = (definition[(i, i)] * definition[(j, j)]).sqrt();
                 assert!((M[(i, j)] - definition[(i, j)]).abs() < 1e-5 * scale, "{i} {j}");
             }

@@ -38,8 +38,10 @@ impl Measurement<'_> {
         let mut N = SMatrix::<f64, 9, 9>::zeros();
         for i in seen.indices(self.corners.len()) {
             let corner = &self.corners[i];
-            let by_point = self.unknowns.camera.project_with_derivatives(&(X_CT * corner))?.by_point;
-            let whitening = self.noise.model.whitening_in_view(&self.features[i], &by_point, R.matrix());
+            let (camera, p_C) = (self.unknowns.camera, X_CT * corner);
+            let by_point = camera.project_with_derivatives(&p_C)?.by_point;
+            let (feature, vergence) = (&self.features[i], camera.vergence(&p_C));
+            let whitening = self.noise.model.whitening_in_view(feature, &by_point, R.matrix(), vergence);
             let by_point = whitening.of_rows(&by_point) / self.noise.sigma;
             let mut A = SMatrix::<f64, 2, 9>::zeros();
             for (c, factor) in [corner.x, corner.y, 1.0].into_iter().enumerate() {

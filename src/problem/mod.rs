@@ -155,7 +155,7 @@ impl Problem {
 
     /// What a view measures.
     pub fn measurement(&self) -> Measurement<'_> {
-        Measurement::new(self.unknowns(), &self.target.board, self.noise)
+        Measurement { warp: self.target.warp, ..Measurement::new(self.unknowns(), &self.target.board, self.noise) }
     }
 
     /// The problem that the file at `path` states.

@@ -13,6 +13,7 @@ mod error;
 mod feature;
 mod layout;
 mod points;
+mod warp;
 
 pub use aprilgrid::AprilGrid;
 pub use board::{Board, told};
@@ -24,6 +25,7 @@ pub use error::BoardError;
 pub use feature::Feature;
 pub use layout::Marker;
 pub use points::Points;
+pub use warp::{Surface, Warp};
 
 use std::f64::consts::PI;
 
@@ -40,6 +42,8 @@ pub struct Target {
     pub X_BT: Pose,
     /// The rectangle in the board's plane that the optical axis is tested against.
     pub zone: Zone,
+    /// How it may bulge; flat without.
+    pub warp: Option<Warp>,
 }
 
 /// Which corners of a board, of those seen for instance.

@@ -10,7 +10,7 @@ use crate::camera::Camera;
 use crate::information::Noise;
 use crate::robot::{JointKind, Robot};
 use crate::spatial::Pose;
-use crate::target::{Corners, Target};
+use crate::target::{Corners, Surface, Target};
 
 /// Deviations from the plan, drawn anew for every trial; all zero by default.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -93,6 +93,7 @@ impl Disturbance {
             seen: planned.iter().map(|&(_, seen)| seen.clone()).collect(),
             camera: camera.with_intrinsics(&θ).unwrap_or_else(|_| camera.clone()),
             missing: self.missing,
+            surface: target.warp.map_or(Surface::FLAT, |warp| Surface::new(warp, [normal(1.0), normal(1.0)])),
         }
     }
 }

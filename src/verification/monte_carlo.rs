@@ -293,7 +293,7 @@ mod tests {
     use crate::calibration::{Start, refine};
     use crate::camera::{Camera, Lens};
     use crate::information::{Noise, NoiseModel};
-    use crate::target::Corners;
+    use crate::target::{Corners, Surface};
 
     const BOARD: Board = Board::checkerboard(8, 6, 0.035);
 
@@ -317,7 +317,7 @@ mod tests {
     fn predicted(estimated: &[usize], sigma: f64) -> DMatrix<f64> {
         let noise = Noise { sigma: 1e-4, model: NoiseModel::Constant };
         let observations = crate::verification::simulate(&camera(), &BOARD, &poses(), noise, 0).unwrap();
-        let start = Start { camera: camera(), poses: poses() };
+        let start = Start { camera: camera(), poses: poses(), surface: Surface::FLAT };
         let found = refine(&observations, start, estimated, &CalibrationSettings::default()).unwrap();
         found.covariance * (sigma / found.sigma).powi(2)
     }
@@ -339,6 +339,7 @@ mod tests {
                 sigma: vec![sigma; poses.len()],
                 noise: NoiseModel::Constant,
                 missing: 0.0,
+                surface: Surface::FLAT,
             },
             settings: CalibrationSettings::default(),
             count: 400,
@@ -384,6 +385,7 @@ mod tests {
                 sigma: vec![0.3; poses.len()],
                 noise: NoiseModel::Constant,
                 missing: 0.0,
+                surface: Surface::FLAT,
             },
             settings: CalibrationSettings::default(),
             count: 20,

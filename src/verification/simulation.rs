@@ -10,7 +10,7 @@ use crate::camera::Camera;
 use crate::feasibility::told_in_image;
 use crate::information::{Noise, NoiseModel, Whitening};
 use crate::spatial::Pose;
-use crate::target::{Board, Corners};
+use crate::target::{Board, Corners, Surface};
 
 /// What the camera really meets, as against what a plan supposes.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,6 +27,8 @@ pub struct Scene {
     pub noise: NoiseModel,
     /// Chance of each corner to go undetected.
     pub missing: f64,
+    /// The board's true face.
+    pub surface: Surface,
 }
 
 impl Scene {
@@ -46,6 +48,7 @@ impl Scene {
                 if !(seen.contains(index) && is_told[index]) {
                     return None;
                 }
+                let p_T = self.surface.point(&p_T.coords.xy());
                 let pixel = self.camera.project(&(X_CT * p_T)).filter(|pixel| self.camera.contains(pixel, 0.0))?;
                 if self.missing > 0.0 && rng.gen_bool(self.missing) {
                     return None;
@@ -64,9 +67,11 @@ impl Scene {
         if self.noise == NoiseModel::Constant {
             return Some(Whitening::NONE);
         }
-        let projection = self.camera.project_with_derivatives(&(X_CT * p_T))?;
+        let p_C = X_CT * p_T;
+        let by_point = self.camera.project_with_derivatives(&p_C)?.by_point;
         let R = X_CT.rotation.to_rotation_matrix();
-        Some(self.noise.whitening_in_view(&board.feature(index), &projection.by_point, R.matrix()))
+        let vergence = self.camera.vergence(&p_C);
+        Some(self.noise.whitening_in_view(&board.feature(index), &by_point, R.matrix(), vergence))
     }
 }
 
@@ -88,6 +93,7 @@ pub fn simulate(
         sigma: vec![noise.sigma; poses.len()],
         noise: noise.model,
         missing: 0.0,
+        surface: Surface::FLAT,
     };
     scene.observe(board, seed)
 }

@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 
 use calipose::camera::{Camera, Lens};
-use calipose::information::NoiseModel;
+use calipose::information::{Blur, NoiseModel};
 use calipose::spatial::Pose;
-use calipose::target::{Board, Corners, viewpoint};
+use calipose::target::{Board, Corners, Surface, viewpoint};
 use calipose::verification::Scene;
 use serde_json::Value;
 
@@ -29,6 +29,7 @@ fn pictures(folder: &std::path::Path, noise: NoiseModel, shake: f64) -> Vec<Stri
                 sigma: vec![0.1],
                 noise,
                 missing: 0.0,
+                surface: Surface::FLAT,
             };
             let seen = scene.observe(&BOARD, (100 * number) as u64 + picture as u64).unwrap();
             for corner in &seen.views()[0] {
@@ -51,9 +52,10 @@ fn measured(folder: &std::path::Path, files: &[String]) -> Value {
 #[test]
 fn the_model_and_its_numbers_are_found() {
     let folder = tempfile::tempdir().unwrap();
-    for (noise, name, window) in
-        [(NoiseModel::Constant, "constant", None), (NoiseModel::Edges { window: 5.0 }, "edges", Some(5.0))]
-    {
+    for (noise, name, window) in [
+        (NoiseModel::Constant, "constant", None),
+        (NoiseModel::Edges { window: 5.0, blur: Blur::NONE }, "edges", Some(5.0)),
+    ] {
         let found = measured(folder.path(), &pictures(folder.path(), noise, 0.0));
         assert_eq!(found["corners"], 4 * 48);
         let [best, other] = [0, 1].map(|i| &found["models"][i]);

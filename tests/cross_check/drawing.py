@@ -1,4 +1,4 @@
-"""Pictures of checkerboards drawn by NumPy, and the sensor's noise."""
+"""Pictures of checkerboards drawn by NumPy, blurred ones, and the sensor's noise."""
 
 from functools import cached_property
 
@@ -67,6 +67,17 @@ class Views:
         grey[part] = total / SUBPIXELS**2
         light = 1 + GRADIENT * (np.arange(width) / (width - 1) - 0.5)
         return cv2.GaussianBlur(grey * light, (0, 0), BLUR_PX, borderType=cv2.BORDER_REPLICATE)
+
+
+def blurred(picture, disc, path, direction):
+    """A picture out of focus and moved: by a disc of that diameter and a straight path of that length, px."""
+    v, u = np.meshgrid(np.fft.fftfreq(picture.shape[0]), np.fft.rfftfreq(picture.shape[1]), indexing="ij")
+    # A disc's Fourier transform, by a rule of Gauss over its chords.
+    angles = np.arange(1, 20) * np.pi / 20
+    radius = np.pi * disc * np.hypot(u, v)
+    of_disc = sum(np.sin(angle) ** 2 * np.cos(radius * np.cos(angle)) for angle in angles) / 10
+    of_path = np.sinc(path * (u * np.cos(direction) + v * np.sin(direction)))
+    return np.fft.irfft2(np.fft.rfft2(picture) * of_disc * of_path, s=picture.shape)
 
 
 def exposed(picture, noise, rng):

@@ -17,6 +17,8 @@ from environment import run_with
 
 TOLERANCE = 1e-5
 GAUSS_ORDER = 60
+# Width of a sharp edge: the lens's blur and the pixel's own area.
+SHARP_PX = 2 / 3
 FISHEYE = "kannala-brandt"
 COEFFICIENTS = {
     "none": [],
@@ -55,13 +57,16 @@ class Camera:
         self.K = np.array([[self.fx, 0, self.cx], [0, self.fy, self.cy], [0, 0, 1.0]])
         self.D = np.array(self.coefficients, dtype=float)
         self.names = ["fx", "fy", "cx", "cy", *COEFFICIENTS[self.model]]
+        self.nominal_focal_length = np.sqrt(self.fx * self.fy)
 
     def at(self, intrinsics):
         """The same camera with other intrinsics, all of them."""
         names = dict(zip(self.names, intrinsics))
         size = {"width_px": self.size[0], "height_px": self.size[1]}
         distortion = {"model": self.model, **{name: names[name] for name in COEFFICIENTS[self.model]}}
-        return Camera({**size, **{f"{name}_px": names[name] for name in self.names[:4]}, "distortion": distortion})
+        drawn = Camera({**size, **{f"{name}_px": names[name] for name in self.names[:4]}, "distortion": distortion})
+        drawn.nominal_focal_length = self.nominal_focal_length
+        return drawn
 
     def jacobians(self, points, rvec, tvec):
         """By the intrinsics (2m x p) and by rvec and tvec (2m x 6)."""
@@ -132,20 +137,42 @@ def edge_mm(target):
     return target["tag_mm"] * target["tag_spacing"] if target.get("kind") == "aprilgrid" else target["square_mm"]
 
 
-def whiteners(target, camera, board, rvec, tvec, noise):
-    """W (2 x 2) of each corner, W^T W its inverse covariance: by the two edges that a detector's square window sees of a crossing."""
+def blurred_width(camera, board, rvec, tvec, noise):
+    """How wide an edge is at each corner, px, by its depth and the lens and speeds that the problem file states."""
+    p = board @ cv2.Rodrigues(rvec)[0].T + np.ravel(tvec)
+    depth = np.linalg.norm(p, axis=1) if camera.model == FISHEYE else p[:, 2]
+    f, square = camera.nominal_focal_length, np.full(len(board), SHARP_PX**2)
+    if "focus_mm" in noise:
+        # The circle of confusion of a thin lens.
+        focus, aperture = noise["focus_mm"] / 1e3, noise["aperture_mm"] / 1e3
+        square += (f * aperture * np.abs(depth - focus) / (depth * focus) / 4) ** 2
+    seconds = noise.get("exposure_ms", 0) / 1e3
+    turned = f * np.radians(noise.get("turning_deg_s", 0)) * seconds
+    moved = f * noise.get("moving_mm_s", 0) / 1e3 * seconds / depth
+    return np.sqrt(square + (turned**2 + moved**2) / 24)
+
+
+def whiteners(target, camera, board, rvec, tvec, noise, width=None):
+    """W (2 x 2) of each corner, W^T W its inverse covariance: by the two edges that a detector's square window sees of a crossing, and by
+    their width."""
     if noise.get("model", "edges") == "constant":
         return np.broadcast_to(np.eye(2), (len(board), 2, 2)) / noise["sigma_px"]
     window, step = noise.get("window_px", 5), 1e-7
     places = [board, board + [step, 0, 0], board + [0, step, 0]]
     centre, *moved = [camera.project(points, rvec, tvec) for points in places]
-    precision = np.zeros((len(board), 2, 2))
+    precision, normals = np.zeros((len(board), 2, 2)), []
     for along in moved:
         edge = (along - centre) / step * edge_mm(target) / 1e3
         length = np.linalg.norm(edge, axis=1)
         normal = np.column_stack([-edge[:, 1], edge[:, 0]]) / length[:, None]
         seen = np.minimum(window / np.abs(normal).max(axis=1), length)
         precision += np.einsum("ji,jk,j->jik", normal, normal, seen / window)
+        normals.append(normal)
+    width = blurred_width(camera, board, rvec, tvec, noise) if width is None else width
+    # What a crossing of edges as wide, at their angle, tells in this window; of it the share that it tells if they are sharp.
+    reach = window * np.abs(np.linalg.det(np.stack(normals, axis=1)))
+    told = [np.exp(-3 * s / reach - 8 * (s / reach) ** 2) / s for s in (width, SHARP_PX)]
+    precision *= (told[0] / told[1])[:, None, None]
     return np.transpose(np.linalg.cholesky(precision), (0, 2, 1)) / noise["sigma_px"]
 
 

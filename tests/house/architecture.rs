@@ -82,6 +82,7 @@ const ROOMS: [(&str, &[&str]); 33] = [
             "image_area",
             "map_error",
             "weakest",
+            "blur",
             "noise",
             "view",
             "unweighted",

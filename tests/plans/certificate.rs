@@ -16,10 +16,16 @@ use rand::{Rng, SeedableRng};
 use rand_distr::StandardNormal;
 use rand_xoshiro::Xoshiro256Plus;
 
-const SEEDS: u64 = 600;
+const SEEDS: u64 = 700;
 
 /// Cases before this one have one scenario.
 const ONE_SCENARIO: u64 = 420;
+
+/// Cases from this one on have a parameter that nobody asks for.
+const NUISANCE: u64 = 600;
+
+/// Kinds of terms from this one on are those before beside such a parameter.
+const BESIDE: u64 = 10;
 
 /// A random instance that is small enough to search.
 #[derive(Debug, Clone)]
@@ -49,9 +55,12 @@ fn semidefinite(rng: &mut impl Rng, p: usize, rank: usize) -> DMatrix<f64> {
 }
 
 impl OwnedTerm {
-    /// Orders 1 to 4, ranks from one up, with and without prior, units apart by powers of ten, candidates repeated.
+    /// Orders 1 to 4, ranks from one up, with and without prior, units apart by powers of ten, candidates repeated. From kind 10 on one
+    /// more parameter, of which something is known, is estimated beside those asked for.
     fn random(rng: &mut impl Rng, kind: u64, n: usize, count: usize, share: f64) -> Self {
-        let p = rng.gen_range(1..=4.min(n));
+        let asked = rng.gen_range(1..=4.min(n));
+        let nuisance = usize::from(kind >= BESIDE);
+        let (kind, p) = (kind % BESIDE, nuisance + asked);
         // The least eigenvalue means something only where the units are alike.
         let spread = if kind == 3 { 0.2 } else { 2.0 };
         let units = DMatrix::from_diagonal(&normal(rng, p, 1).map(|x| 10f64.powf(spread * x)).column(0).into_owned());
@@ -70,14 +79,22 @@ impl OwnedTerm {
             let rank = rng.gen_range(1..=p);
             &units * semidefinite(rng, p, rank) * &units * 0.5
         });
-        let mut weight = |rank: usize| &units * semidefinite(rng, p, rank) * &units;
+        let prior = if nuisance == 0 {
+            prior
+        } else {
+            let own = DMatrix::from_fn(p, p, |i, j| if i.max(j) == 0 { units[(0, 0)].powi(2) } else { 0.0 });
+            Some(prior.map_or(own.clone(), |prior| prior + own))
+        };
+        let units = units.view((nuisance, nuisance), (asked, asked));
+        let mut weight = |rank: usize| units * semidefinite(rng, asked, rank) * units;
         let function = match kind {
             0 => InformationFunction::Determinant,
-            1 => InformationFunction::variance(&weight(p)),
+            1 => InformationFunction::variance(&weight(asked)),
             2 => InformationFunction::variance(&weight(1)),
             3 => InformationFunction::min_eigenvalue(),
-            _ => InformationFunction::worst_variance(&[weight(1), weight(p), weight(1)]),
+            _ => InformationFunction::worst_variance(&[weight(1), weight(asked), weight(1)]),
         };
+        let function = function.beside(nuisance);
         Self { candidates: InformationSet::from_matrices(p, &matrices).unwrap(), prior, function, share }
     }
 }
@@ -103,7 +120,11 @@ impl Case {
         let n = rng.gen_range(4..=14);
         let count = rng.gen_range(1..=4);
         let mut term = |kind, share| OwnedTerm::random(&mut rng, kind, n, count, share);
-        let kind = if seed < ONE_SCENARIO { seed % 7 } else { 7 + seed % 3 };
+        let kind = match seed {
+            ..ONE_SCENARIO => seed % 7,
+            ONE_SCENARIO..NUISANCE => 7 + seed % 3,
+            _ => BESIDE + seed % 5,
+        };
         let scenarios = match kind {
             5 => vec![vec![term(1, 0.7), term(0, 0.3)]],
             6 => vec![vec![term(3, 0.5), term(4, 0.5)]],
@@ -391,7 +412,7 @@ fn a_regular_set_is_found_where_there_is_one() {
 #[test]
 fn a_search_finds_its_way_out_of_singular_sets() {
     let (mut regular, mut singular) = (0, 0);
-    for seed in 0..SEEDS {
+    for seed in 0..NUISANCE {
         let case = Case::of_few_directions(seed);
         let Some(instance) = case.instance() else { continue };
         let optimum = case.optimum(&instance);

@@ -13,3 +13,4 @@ mod noise;
 mod robust;
 mod sweep_table_iii;
 mod tampered_plans;
+mod warp;

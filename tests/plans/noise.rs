@@ -85,3 +85,17 @@ fn of_the_rover(set: &[&str]) -> Problem {
     let overrides = set.iter().fold(Overrides::new(), |overrides, set| overrides.set(set).unwrap());
     Problem::read_with(Path::new("problems/six-axis-rover.toml"), &overrides).unwrap()
 }
+
+/// An open aperture draws the poses to the distance in focus.
+#[test]
+fn a_plan_prefers_distances_in_focus() {
+    let mean_distance = |focus: &str| {
+        let problem = problem(&[focus, "noise.aperture_mm=8"]);
+        let survey = survey(&problem, &|_| {}).unwrap();
+        let (choice, _) = Chooser::new(&problem, &survey).unwrap().best(10, 0).unwrap();
+        let distances = choice.selected.iter().map(|&i| survey.views[i].X_CT.translation.vector.norm());
+        distances.sum::<f64>() / 10.0
+    };
+    let [near, far] = ["noise.focus_mm=500", "noise.focus_mm=800"].map(mean_distance);
+    assert!(far > near + 0.1, "{near} {far} m");
+}

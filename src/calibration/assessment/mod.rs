@@ -81,7 +81,7 @@ impl Assessment {
         let judgement = Judgement::new(calibration, observations.corner_count(), other, map_errors.rms, &requested);
         let lacks = Lacks::new(observations, calibration, &W, map_errors.rms, goal(requests));
         let verdict = judgement.sentence(calibration, loss, map_errors.rms, &lacks);
-        let residuals = ResidualStatistics::new(&residuals(observations, camera, poses).concat());
+        let residuals = ResidualStatistics::new(&residuals(observations, camera, poses, &calibration.surface).concat());
         Self { map_errors, residuals, requested, judgement, lacks, verdict }
     }
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use crate::calibration::{CalibrationSettings, calibrate};
+use crate::calibration::{CalibrationSettings, ExpectedWarp, calibrate};
 use crate::cli::interrupt::writing;
 use crate::cli::known::{known_by, read_detections};
 use crate::cli::loaded_plan::LoadedPlan;
@@ -73,7 +73,8 @@ pub(crate) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<Verd
     probe(folder)?;
     let path = &arguments.observations;
     let detections = read_detections(path, &known_by(&problem, arguments.images.clone()))?;
-    let settings = CalibrationSettings { noise: problem.noise.model, ..CalibrationSettings::default() };
+    let warp = problem.target.warp.map(|warp| ExpectedWarp { warp, sigma: problem.noise.sigma });
+    let settings = CalibrationSettings { noise: problem.noise.model, warp, ..CalibrationSettings::default() };
     let calibration =
         calibrate(&detections.observations, &problem.camera, &problem.estimated, &settings).map_err(|error| {
             Failure::Calibration {

@@ -8,7 +8,7 @@ use crate::calibration::{FittedNoise, Scatter};
 use crate::cli::known::{KnownArguments, read_detections, window};
 use crate::cli::output::failure::Failure;
 use crate::cli::output::{Screen, short, table};
-use crate::information::{Noise, NoiseModel};
+use crate::information::{Blur, Noise, NoiseModel};
 use crate::plan::document::NoiseDocument;
 
 #[derive(Debug, Args)]
@@ -25,15 +25,14 @@ pub(crate) struct NoiseArguments {
 
 pub(crate) fn run(arguments: &NoiseArguments, screen: &mut Screen) -> Result<(), Failure> {
     let (problem, known) = arguments.known.read()?;
-    let stated = problem.map(|problem| problem.noise.model);
-    let window = match (arguments.window, stated) {
-        (Some(window), _) | (None, Some(NoiseModel::Edges { window })) => window,
-        (None, Some(NoiseModel::Constant) | None) => NoiseModel::USUAL_WINDOW,
+    let (stated, blur) = match problem.map(|problem| problem.noise.model) {
+        Some(NoiseModel::Edges { window, blur }) => (window, blur),
+        Some(NoiseModel::Constant) | None => (NoiseModel::USUAL_WINDOW, Blur::NONE),
     };
     let scenes = arguments.observations.iter().map(|path| Ok(read_detections(path, &known)?.observations));
     let scenes: Vec<_> = scenes.collect::<Result<_, Failure>>()?;
     let pictures = scenes.iter().map(|scene| scene.views().len()).sum();
-    let scatter = Scatter::new(&scenes, window)?;
+    let scatter = Scatter::new(&scenes, arguments.window.unwrap_or(stated), blur)?;
     let document = NoiseDocument::new(&scatter, scenes.len(), pictures);
     screen.document(&document)?;
     screen.text(&text(&scatter, &document))
@@ -43,7 +42,7 @@ fn text(scatter: &Scatter, document: &NoiseDocument) -> String {
     let row = |name: &str, FittedNoise { noise, misfit, .. }: &FittedNoise| {
         let window = match noise.model {
             NoiseModel::Constant => "-".into(),
-            NoiseModel::Edges { window } => short(window),
+            NoiseModel::Edges { window, .. } => short(window),
         };
         vec![name.into(), short(noise.sigma), window, format!("{:.0} %", 100.0 * misfit)]
     };
@@ -61,7 +60,7 @@ fn text(scatter: &Scatter, document: &NoiseDocument) -> String {
     let Noise { sigma, model } = scatter.better().noise;
     let model = match model {
         NoiseModel::Constant => "model = \"constant\"".into(),
-        NoiseModel::Edges { window } => format!("model = \"edges\"\nwindow_px = {}", short(window)),
+        NoiseModel::Edges { window, .. } => format!("model = \"edges\"\nwindow_px = {}", short(window)),
     };
     format!(
         "{} corners of {} scenes in {} pictures.\n\n{}\n\nMisfit: how far the corners' own scatter is from the model's, beyond chance.\n\

@@ -1,5 +1,6 @@
 //! Why a plan is as it is: what more poses would bring, what each pose pins down, what could take its place.
 
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use crate::plan::choose::{Choice, Chooser, PlanError, refined_survey};
@@ -185,11 +186,11 @@ fn price(problem: &Problem, chooser: &Chooser, plan: &Choice) -> Result<Option<R
 /// the information's least, which exists for a singular plan too.
 fn least_known(problem: &Problem, chooser: &Chooser, plan: &Choice) -> LeastKnown {
     let survey = chooser.survey();
-    let M = chooser.information(&plan.selected);
+    let M = on_intrinsics(problem, chooser.information(&plan.selected));
     // An intrinsic that does not move the image has no such unit.
     let units = problem.unknowns().pixel_units();
     let unit = |j: usize| if units[j].is_finite() { units[j] } else { 0.0 };
-    let scaled = nalgebra::DMatrix::from_fn(M.nrows(), M.ncols(), |i, j| M[(i, j)] * unit(i) * unit(j));
+    let scaled = DMatrix::from_fn(M.nrows(), M.ncols(), |i, j| M[(i, j)] * unit(i) * unit(j));
     let eigen = scaled.symmetric_eigen();
     let mut c = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned();
     if c[c.iamax()] < 0.0 {
@@ -209,6 +210,15 @@ fn least_known(problem: &Problem, chooser: &Chooser, plan: &Choice) -> LeastKnow
     LeastKnown { combination, sigma: finite(sigma), moves_image_px: finite(moves) }
 }
 
+/// The information that is left on the intrinsics where a board's heights, of which something is always known, are estimated beside them.
+fn on_intrinsics(problem: &Problem, M: DMatrix<f64>) -> DMatrix<f64> {
+    let nuisance = problem.measurement().nuisance();
+    let (p, before) = (M.nrows() - nuisance, M.columns(0, nuisance));
+    let Some(heights) = M.view((0, 0), (nuisance, nuisance)).into_owned().try_inverse() else { return M };
+    let beside = before.rows(nuisance, p);
+    M.view((nuisance, nuisance), (p, p)) - beside * heights * beside.transpose()
+}
+
 fn terms(combination: impl IntoIterator<Item = (String, f64)>) -> Vec<CombinationTerm> {
     combination.into_iter().map(|(name, coefficient)| CombinationTerm { name, coefficient }).collect()
 }
@@ -217,8 +227,6 @@ fn terms(combination: impl IntoIterator<Item = (String, f64)>) -> Vec<Combinatio
 mod tests {
     use std::ops::ControlFlow;
     use std::path::Path;
-
-    use nalgebra::DMatrix;
 
     use super::*;
     use crate::information::Criterion;

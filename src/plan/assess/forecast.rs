@@ -155,7 +155,7 @@ pub fn forecast(problem: &Problem, trials: usize) -> Forecast {
 
 /// Bytes at most: the candidates' numbers, the views and what they teach, while they are gathered twice.
 fn bytes(problem: &Problem, candidates: f64, views: f64) -> f64 {
-    let p = problem.estimated.len();
+    let p = problem.measurement().order();
     let scenarios = problem.robust.as_ref().map_or(1, |robust| robust.scenarios);
     let numbers =
         problem.robot.chain.dof() + p * (p + 1) / 2 * (1 + problem.selection.goal.criteria().len()) * scenarios;

@@ -152,11 +152,10 @@ pub fn polish(
         current = best.clone();
     }
     drop(instance);
-    let p = problem.estimated.len();
     let mut M = chooser.information(&[]);
     for view in &best.views {
         let information = setting.scenes[0].measurement.information(&view.X_CT, &view.seen).ok_or_else(undetermined)?;
-        M += crate::selection::packed::unpack(&information, p);
+        M += crate::selection::packed::unpack(&information, M.nrows());
     }
     let (sigma, map_error) = chooser.accuracy(&M);
     Ok(Polished {

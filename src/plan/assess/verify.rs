@@ -3,10 +3,10 @@
 use nalgebra::DMatrix;
 use thiserror::Error;
 
-use crate::calibration::CalibrationSettings;
+use crate::calibration::{CalibrationSettings, ExpectedWarp};
 use crate::information::{NoiseModel, Unweighted};
 use crate::problem::Problem;
-use crate::selection::packed::{inverse, unpack};
+use crate::selection::packed::unpack;
 use crate::spatial::Pose;
 use crate::target::Corners;
 use crate::verification::{
@@ -51,8 +51,9 @@ pub fn verify(
     let Problem { robot, camera, target, noise, .. } = problem;
     let unknowns = problem.unknowns();
     let measurement = problem.measurement();
-    let mut M = DMatrix::zeros(unknowns.len(), unknowns.len());
-    let mut unweighted = Unweighted::new(&M);
+    let (nuisance, order) = (measurement.nuisance(), measurement.order());
+    let mut M = DMatrix::from_fn(order, order, |i, j| if i == j && i < nuisance { 1.0 } else { 0.0 });
+    let mut unweighted = Unweighted::new(&DMatrix::zeros(unknowns.len(), unknowns.len()));
     let mut seen = Vec::with_capacity(configurations.len());
     let checks = problem.visibility.min_corners.map(|_| problem.checks());
     for (i, q) in configurations.iter().enumerate() {
@@ -65,11 +66,11 @@ pub fn verify(
         let information = measurement.information(&X_CT, &corners).ok_or_else(|| not_seen.clone())?;
         unweighted.add(&measurement, &X_CT, &corners).ok_or(not_seen)?;
         seen.push(corners);
-        M += unpack(&information, unknowns.len());
+        M += unpack(&information, order);
     }
     let unobservable = VerifyError::Unobservable { poses: configurations.len() };
     let (covariance, model) = match weighing {
-        Weighing::Weighted => (inverse(&M), noise.model),
+        Weighing::Weighted => (measurement.covariance(&M), noise.model),
         Weighing::Unweighted => (unweighted.covariance(), NoiseModel::Constant),
     };
     let covariance = covariance.ok_or(unobservable)?;
@@ -77,7 +78,11 @@ pub fn verify(
     let nominal = Nominal { robot, camera, target, noise: *noise };
     let planned: Vec<_> = configurations.iter().zip(&seen).collect();
     let scene = |trial| disturbance.scene(&nominal, &planned, seed, trial);
-    let settings = CalibrationSettings { noise: model, ..CalibrationSettings::default() };
+    let warp = match weighing {
+        Weighing::Weighted => target.warp.map(|warp| ExpectedWarp { warp, sigma: noise.sigma }),
+        Weighing::Unweighted => None,
+    };
+    let settings = CalibrationSettings { noise: model, warp, ..CalibrationSettings::default() };
     let trials = Trials { unknowns, board: &target.board, scene: &scene, settings, count, seed };
     Ok(monte_carlo(&trials, &Prediction { covariance: &covariance, map_weight: &map_weight }, observe)?)
 }

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use nalgebra::DMatrix;
 
 use super::choice::{Choice, Reached};
-use super::constraints::{Captured, Known, constraints, stated};
+use super::constraints::{Captured, Known, constraints, stated_of_intrinsics};
 use super::error::PlanError;
 use super::objective::Objective;
 use super::{kmeans, random};
@@ -13,7 +13,7 @@ use crate::feasibility::View;
 use crate::information::{Criterion, NoiseModel, Unweighted};
 use crate::plan::survey::Survey;
 use crate::problem::{Accuracy, Goal, Method, Problem};
-use crate::selection::packed::{inverse, pack, packed_len, unpack};
+use crate::selection::packed::{pack, packed_len, unpack};
 use crate::selection::{
     Best, Certificate, Constraints, Fewest, InformationFunction, Instance, NotEnough, RelaxationSettings, Search,
     SearchProgress, SelectionError, best, fewest, greedy, improved_greedy, relax, search, start_of_search,
@@ -26,7 +26,6 @@ pub struct Chooser<'a> {
     objective: Objective<'a>,
     constraints: Constraints,
     settings: RelaxationSettings,
-    map_error: InformationFunction,
     /// What is known already, in the set-up as stated and in each scenario.
     known: Vec<Known>,
 }
@@ -60,7 +59,6 @@ impl<'a> Chooser<'a> {
             objective,
             constraints: constraints(problem, survey)?,
             settings: RelaxationSettings { tolerance: problem.selection.tolerance, ..RelaxationSettings::default() },
-            map_error: InformationFunction::variance(&survey.map_weight),
             known,
         })
     }
@@ -73,7 +71,7 @@ impl<'a> Chooser<'a> {
         self.by_criteria_knowing(criteria, self.known.clone())
     }
 
-    /// The same chooser when the p×p information `prior` on the intrinsics is known too: that of the views taken, say.
+    /// The same chooser when the information `prior` on what is estimated is known too: that of the views taken, say.
     /// Criteria that are not of the intrinsics know nothing of it and are left out; if none remains, `v` takes their place, as it
     /// does that of accuracies.
     ///
@@ -188,10 +186,8 @@ impl<'a> Chooser<'a> {
         let names = self.problem.unknowns().names();
         let mut everywhere = vec![(choice.sigma.clone(), choice.map_error)];
         for (scenario, known) in self.survey.scenarios.iter().zip(&self.known[1..]) {
-            let mut total = scenario.information.total(&pack(&known.information), &choice.selected);
-            let M = unpack(&total, known.information.nrows());
-            let log_value = InformationFunction::variance(&scenario.map_weight).log_value(&mut total, M.nrows());
-            everywhere.push((sigmas(&M), (-0.5 * log_value).exp()));
+            let total = scenario.information.total(&pack(&known.information), &choice.selected);
+            everywhere.push(self.accuracy_by(&unpack(&total, known.information.nrows()), &scenario.map_weight));
         }
         let reached = |&(accuracy, requested): &(Accuracy, f64)| {
             let name = match accuracy {
@@ -276,7 +272,7 @@ impl<'a> Chooser<'a> {
         }
     }
 
-    /// Information of a choice on the intrinsics, the prior included, p×p.
+    /// Information of a choice on the intrinsics, the prior included, p×p; of a board that may bulge on its heights before them.
     pub fn information(&self, selected: &[usize]) -> DMatrix<f64> {
         let prior = &self.known[0].information;
         let p = prior.nrows();
@@ -302,26 +298,39 @@ impl<'a> Chooser<'a> {
         Choice { log_value: self.objective.log_value(&selected), map_error, sigma, selected }
     }
 
-    /// p×p information on the intrinsics that is known already, in the set-up as stated and in each scenario.
+    /// Information that is known already, in the set-up as stated and in each scenario.
     pub(crate) fn known(&self) -> impl Iterator<Item = &DMatrix<f64>> {
         self.known.iter().map(|known| &known.information)
     }
 
-    /// Standard deviations and map error by the p×p information M on the intrinsics, as in a [`Choice`].
+    /// Covariance of the intrinsics by information M, as of [`Chooser::information`]; `None` if it leaves one undetermined.
+    pub(crate) fn covariance(&self, M: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+        self.problem.measurement().covariance(M)
+    }
+
+    /// Standard deviations and map error by information M, as in a [`Choice`].
     pub(crate) fn accuracy(&self, M: &DMatrix<f64>) -> (Vec<f64>, f64) {
-        (sigmas(M), (-0.5 * self.map_error.log_value(&mut pack(M), M.nrows())).exp())
+        self.accuracy_by(M, &self.survey.map_weight)
+    }
+
+    fn accuracy_by(&self, M: &DMatrix<f64>, map_weight: &DMatrix<f64>) -> (Vec<f64>, f64) {
+        let nuisance = self.problem.measurement().nuisance();
+        let log_value = InformationFunction::variance(map_weight).beside(nuisance).log_value(&mut pack(M), M.nrows());
+        let sigma = |covariance: DMatrix<f64>| covariance.diagonal().iter().map(|variance| variance.sqrt()).collect();
+        (self.covariance(M).map_or_else(Vec::new, sigma), (-0.5 * log_value).exp())
     }
 
     /// Standard deviations and map error of `views`, with those taken already, if the corners, which scatter unequally, are all
-    /// given one weight: what OpenCV's `calibrateCamera` makes of it. `None` where all scatter alike, or an intrinsic is left
+    /// given one weight, and the board is taken for flat: what OpenCV's `calibrateCamera` makes of it. `None` where all scatter alike on a
+    /// flat board, or an intrinsic is left
     /// undetermined.
     pub(crate) fn unweighted<'v>(&self, views: impl IntoIterator<Item = &'v View>) -> Option<(Vec<f64>, f64)> {
         let Self { problem, survey, .. } = self;
-        if problem.noise.model == NoiseModel::Constant {
+        let measurement = problem.measurement();
+        if problem.noise.model == NoiseModel::Constant && measurement.warp.is_none() {
             return None;
         }
-        let measurement = problem.measurement();
-        let mut estimate = Unweighted::new(&stated(problem));
+        let mut estimate = Unweighted::new(&stated_of_intrinsics(problem));
         let taken = self.known[0].captured.iter().map(|Captured { X_CT, seen }| (X_CT, seen));
         let chosen = views.into_iter().map(|view| (&view.X_CT, &view.seen));
         for (X_CT, seen) in taken.chain(chosen) {
@@ -354,10 +363,4 @@ impl<'a> Chooser<'a> {
             other => PlanError::Selection(other),
         }
     }
-}
-
-/// Standard deviations by the p×p information M; empty if it leaves an intrinsic undetermined.
-fn sigmas(M: &DMatrix<f64>) -> Vec<f64> {
-    inverse(M)
-        .map_or_else(Vec::new, |covariance| covariance.diagonal().iter().map(|variance| variance.sqrt()).collect())
 }

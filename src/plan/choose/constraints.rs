@@ -135,7 +135,7 @@ pub(crate) struct Captured {
 pub(crate) struct Known {
     /// The views taken already.
     pub(crate) captured: Vec<Captured>,
-    /// The p×p information on the intrinsics, of these views and of the standard deviations stated.
+    /// The information on what is estimated, of these views and of the standard deviations stated.
     pub(crate) information: DMatrix<f64>,
 }
 
@@ -189,8 +189,17 @@ impl Captured {
     }
 }
 
-/// The p×p information on the intrinsics of the standard deviations stated.
+/// The information of the standard deviations stated, on what is estimated: the board's heights, whose unit theirs is, and the
+/// intrinsics.
 pub(crate) fn stated(problem: &Problem) -> DMatrix<f64> {
+    let (nuisance, p) = (problem.measurement().nuisance(), problem.estimated.len());
+    let mut known = DMatrix::identity(nuisance + p, nuisance + p);
+    known.view_mut((nuisance, nuisance), (p, p)).copy_from(&stated_of_intrinsics(problem));
+    known
+}
+
+/// The part of it that is on the p intrinsics, p×p.
+pub(crate) fn stated_of_intrinsics(problem: &Problem) -> DMatrix<f64> {
     let p = problem.estimated.len();
     let mut known = DMatrix::zeros(p, p);
     for &(j, sigma) in &problem.prior_sigma {

@@ -13,6 +13,7 @@ use crate::problem::{Accuracy, Goal, Problem, RobustGoal};
 use crate::selection::InformationSet;
 use crate::selection::packed::{pack, packed_len, unpack};
 use crate::selection::{Constraints, InformationFunction, Instance, SelectionError, Term};
+use crate::target::Warp;
 
 /// Criteria, each with its share, on the views of a survey, in every scenario that the plan must withstand.
 #[derive(Debug, Clone)]
@@ -136,14 +137,16 @@ impl<'a> Objective<'a> {
         accuracies: &[(Accuracy, f64)],
         known: &[Known],
     ) -> Self {
+        let nuisance = problem.measurement().nuisance();
         let term = |(set_up, known): (SetUp<'a>, &Known)| ObjectiveTerm {
             scenario: set_up.scenario,
             criterion: None,
             share: 1.0,
             candidates: Cow::Borrowed(set_up.information),
             prior: Some(known.information.clone()),
-            function: InformationFunction::worst_variance(&accuracy_weights(set_up.map_weight, accuracies)),
-            parameters: owned(&problem.unknowns().names()),
+            function: InformationFunction::worst_variance(&accuracy_weights(set_up.map_weight, accuracies))
+                .beside(nuisance),
+            parameters: parameters(problem),
             source: Source::Intrinsics,
         };
         Self { terms: SetUp::all(problem, survey).zip(known).map(term).collect(), ..Self::none(problem, survey) }
@@ -259,7 +262,9 @@ impl<'a> Objective<'a> {
         let lone = self.terms.chunk_by(|a, b| a.criterion == b.criterion).map(|terms| &terms[0]).collect::<Vec<_>>();
         match lone.as_slice() {
             [term] => match term.criterion {
-                Some(Criterion::D | Criterion::Diversity) => log_value * term.parameters.len() as f64,
+                Some(Criterion::D | Criterion::Diversity) => {
+                    log_value * (term.parameters.len() - term.function.nuisance()) as f64
+                }
                 Some(Criterion::A | Criterion::V) => (-log_value).exp(),
                 Some(Criterion::E | Criterion::Zhang) | None => log_value.exp(),
             },
@@ -282,7 +287,8 @@ impl<'a> ObjectiveTerm<'a> {
     fn new(set_up: &SetUp<'a>, criterion: Criterion, share: f64, known: &Known) -> Result<Self, SurveyError> {
         let SetUp { scenario, problem, information, map_weight, .. } = *set_up;
         let Known { captured, information: prior } = known;
-        let names = owned(&problem.unknowns().names());
+        let nuisance = problem.measurement().nuisance();
+        let names = parameters(problem);
         let borrowed = Cow::Borrowed(information);
         let term = |candidates, prior, function, parameters, source| Self {
             scenario,
@@ -296,21 +302,26 @@ impl<'a> ObjectiveTerm<'a> {
         };
         let intrinsics = Source::Intrinsics;
         Ok(match criterion {
-            Criterion::D => term(borrowed, Some(prior.clone()), InformationFunction::Determinant, names, intrinsics),
+            Criterion::D => {
+                let function = InformationFunction::Determinant.beside(nuisance);
+                term(borrowed, Some(prior.clone()), function, names, intrinsics)
+            }
             Criterion::V => {
-                let function = InformationFunction::variance(map_weight);
+                let function = InformationFunction::variance(map_weight).beside(nuisance);
                 term(borrowed, Some(prior.clone()), function, names, intrinsics)
             }
             Criterion::A => {
-                let function = InformationFunction::variance(&pixel_weight(problem));
+                let function = InformationFunction::variance(&pixel_weight(problem)).beside(nuisance);
                 term(borrowed, Some(prior.clone()), function, names, intrinsics)
             }
             Criterion::E => {
-                let units = problem.unknowns().pixel_units();
+                let mut units = vec![1.0; nuisance];
+                units.extend(problem.unknowns().pixel_units());
                 let D = DMatrix::from_diagonal(&units.clone().into());
                 let candidates = Cow::Owned(information.scaled(&units));
                 let prior = &D * prior * &D;
-                term(candidates, Some(prior), InformationFunction::min_eigenvalue(), names, Source::Scaled(units))
+                let function = InformationFunction::min_eigenvalue().beside(nuisance);
+                term(candidates, Some(prior), function, names, Source::Scaled(units))
             }
             Criterion::Zhang => {
                 let directions = owned(&ZHANG_DIRECTIONS);
@@ -362,6 +373,12 @@ fn pixel_weight(problem: &Problem) -> DMatrix<f64> {
 /// The weights of the accuracies' variances, each as a share of the variance requested.
 fn accuracy_weights(map_weight: &DMatrix<f64>, accuracies: &[(Accuracy, f64)]) -> Vec<DMatrix<f64>> {
     accuracies.iter().map(|&(accuracy, requested)| accuracy.weight(map_weight) / (requested * requested)).collect()
+}
+
+/// Names of what is estimated of all views together.
+fn parameters(problem: &Problem) -> Vec<String> {
+    let heights = &Warp::NAMES[..problem.measurement().nuisance()];
+    owned(&[heights, &problem.unknowns().names()].concat())
 }
 
 fn owned(names: &[&str]) -> Vec<String> {

@@ -8,7 +8,7 @@ use crate::feasibility::{Checks, View};
 use crate::information::Measurement;
 use crate::problem::{Problem, Robustness};
 use crate::selection::InformationSet;
-use crate::selection::packed::{inverse, packed_len, unpack};
+use crate::selection::packed::{packed_len, unpack};
 
 /// A set-up as it may be, and what the views of the stated one would teach there.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,13 +70,14 @@ impl Scenario {
 
     fn new(stated: &Scene, problem: Problem, views: &[View]) -> Result<Self, SurveyError> {
         let scene = stated.of_drawn(&problem);
-        let nothing = vec![0.0; packed_len(problem.estimated.len())];
+        let order = scene.measurement.order();
+        let nothing = vec![0.0; packed_len(order)];
         let information = views.par_iter().map(|view| match scene.view(view) {
             Some(view) => scene.measurement.information(&view.X_CT, &view.seen),
             None => Some(nothing.clone()),
         });
         let information = information.collect::<Option<Vec<_>>>().ok_or_else(|| SurveyError::undetermined(&problem))?;
-        let information = InformationSet::from_packed_trusted(problem.estimated.len(), information.concat());
+        let information = InformationSet::from_packed_trusted(order, information.concat());
         let map_weight = problem.unknowns().map_error_weight();
         Ok(Self { problem, information, map_weight })
     }
@@ -109,13 +110,13 @@ impl<'a> Scene<'a> {
         self.look(view.id, view.q.clone())
     }
 
-    /// Predicted map error of what is seen, px, beside the p×p information known already; infinite where that does not determine the
+    /// Predicted map error of what is seen, px, beside the information known already; infinite where that does not determine the
     /// intrinsics.
     pub(crate) fn map_error(&self, seen: &[Option<View>], known: &DMatrix<f64>) -> f64 {
         let told = seen.iter().flatten().filter_map(|view| self.measurement.information(&view.X_CT, &view.seen));
         let total = told.fold(known.clone(), |total, told| total + unpack(&told, known.nrows()));
         let weight = || self.measurement.unknowns.map_error_weight();
-        inverse(&total).map_or(f64::INFINITY, |covariance| (weight() * covariance).trace().sqrt())
+        self.measurement.covariance(&total).map_or(f64::INFINITY, |covariance| (weight() * covariance).trace().sqrt())
     }
 
     /// What the joint values `q` of configuration `id` show here; `None` if that is no view.

@@ -41,7 +41,7 @@ pub(super) fn resolve(document: &Document, file: &schema::File, path: &Path) -> 
     let clearance = check.collision(&key!(file, collision), robot.as_mut().map(|robot| &mut robot.tree));
     let stability = key!(file, stability).given();
     let stability = stability.and_then(|test| check.stability(&test, robot.as_ref().map(|robot| &robot.tree)));
-    let noise = check.noise(&key!(file, noise));
+    let noise = check.noise(&key!(file, noise), camera.as_ref());
     let board = target.as_ref().map(|target| &target.board);
     let visibility = check.visibility(&key!(file, visibility), board, noise.model);
     // Without its camera file the names of the lens's intrinsics are not known.

@@ -8,7 +8,7 @@ use crate::formats::{StatedBoard, read_board_file};
 use crate::problem::fault::{Allowed, Reason};
 use crate::problem::schema::{self, Choice, TargetKind};
 use crate::problem::text::{At, KeyPath, Optional, key};
-use crate::target::{AprilGrid, Board, BoardError, Charuco, Circles, Dictionary, Points, Target, Zone};
+use crate::target::{AprilGrid, Board, BoardError, Charuco, Circles, Dictionary, Points, Target, Warp, Zone};
 
 /// Corners, squares or circles along one side. A homography needs four points, two by two.
 const CORNERS: Allowed = Allowed::between(2.0, 1000.0);
@@ -17,6 +17,9 @@ const SQUARES: Allowed = Allowed::between(3.0, 1000.0);
 const TAGS: Allowed = Allowed::between(1.0, 1000.0);
 /// Space between tags, of their side.
 const TAG_SPACING: Allowed = Allowed::between(0.01, 1.0);
+
+/// A board that is bent by more is none.
+const WARP: Allowed = Allowed::between(1e-3, 20.0);
 
 /// Keys of some kinds only.
 const OF_KINDS: [&str; 12] = [
@@ -63,7 +66,9 @@ impl Check<'_, '_> {
         let deepest_mm = zone.width.min(zone.height) * 1e3 / 2.0;
         let margin = Allowed { min: Bound::Included(0.0), max: Bound::Excluded(deepest_mm) };
         zone.edge_margin = self.length(&key!(target, zone.edge_margin_mm), margin);
-        (self.faults.len() == faults).then_some(Target { board, X_BT, zone })
+        let warp = key!(target, warp_mm).given().map(|warp| self.length(&warp, WARP));
+        let warp = warp.map(|deviation| Warp::new(deviation, &board));
+        (self.faults.len() == faults).then_some(Target { board, X_BT, zone, warp })
     }
 
     /// What is printed.

@@ -46,7 +46,7 @@ impl Check<'_, '_> {
         };
         let (margin, spacing) = match noise {
             NoiseModel::Constant => (MARGIN, SPACING),
-            NoiseModel::Edges { window } => {
+            NoiseModel::Edges { window, .. } => {
                 (window + BESIDE_WINDOW, (WINDOWS * window + 0.5).max(beside_markers(window)))
             }
         };

@@ -48,6 +48,18 @@ pub(crate) struct Noise {
     pub(crate) model: Named<NoiseName>,
     /// Half the side of the detector's window in px, as `winSize` of OpenCV's `cornerSubPix`, for "edges"; 5 when left out.
     pub(crate) window_px: Option<f64>,
+    /// Distance in mm along the optical axis that the lens is focused on, for "edges", with `aperture_mm`; everything is in focus
+    /// when left out.
+    pub(crate) focus_mm: Option<f64>,
+    /// Diameter of the lens's aperture in mm: its focal length over the f-number.
+    pub(crate) aperture_mm: Option<f64>,
+    /// Exposure of a picture in ms, for "edges", during which the camera turns by `turning_deg_s` and moves by `moving_mm_s`; it
+    /// is at rest when left out.
+    pub(crate) exposure_ms: Option<f64>,
+    /// Angular speed of the camera during the exposure in °/s; 0 when left out.
+    pub(crate) turning_deg_s: Option<f64>,
+    /// Speed of the camera during the exposure in mm/s; 0 when left out.
+    pub(crate) moving_mm_s: Option<f64>,
 }
 
 /// The parameters that the calibration estimates.
@@ -79,6 +91,15 @@ impl Default for Visibility {
 
 impl Default for Noise {
     fn default() -> Self {
-        Self { sigma_px: 0.3, model: Named(NoiseName::default()), window_px: None }
+        Self {
+            sigma_px: 0.3,
+            model: Named(NoiseName::default()),
+            window_px: None,
+            focus_mm: None,
+            aperture_mm: None,
+            exposure_ms: None,
+            turning_deg_s: None,
+            moving_mm_s: None,
+        }
     }
 }

@@ -14,6 +14,7 @@
 //! information function too, for algorithms that need derivatives; bounds are proven for the function itself.
 
 mod curvature;
+mod eliminated;
 mod soft_minimum;
 
 pub(crate) use curvature::Curvature;
@@ -24,6 +25,7 @@ use nalgebra::DMatrix;
 use super::packed::{
     cholesky, inverse_of_factor, is_resolved, log_det, pack, solve_lower, solve_lower_transposed, unpack,
 };
+use eliminated::{Eliminated, without_nuisance};
 use soft_minimum::SoftMinimum;
 
 /// An information function of p×p matrices.
@@ -46,6 +48,14 @@ pub enum InformationFunction {
         factors: Vec<DMatrix<f64>>,
         /// 0 for the function itself; up to 1 for its stand-in.
         softness: f64,
+    },
+    /// `Φ(S)` of the Schur complement S of the first parameters: what is known of the others where these are estimated beside them
+    /// and nobody asks for their values.
+    Eliminated {
+        /// How many they are.
+        nuisance: usize,
+        /// Φ.
+        of: Box<InformationFunction>,
     },
 }
 
@@ -81,6 +91,36 @@ impl InformationFunction {
         InformationFunction::WorstVariance { factors: weights.into_iter().map(factor).collect(), softness: 0.0 }
     }
 
+    /// The same of the parameters but the first `nuisance`, which are estimated beside them.
+    #[must_use]
+    pub fn beside(self, nuisance: usize) -> Self {
+        if nuisance == 0 { self } else { InformationFunction::Eliminated { nuisance, of: Box::new(self) } }
+    }
+
+    /// The factors of its weights; none where it has no weights.
+    pub(super) fn factors(&self) -> &[DMatrix<f64>] {
+        match self {
+            InformationFunction::Determinant | InformationFunction::MinEigenvalue { .. } => &[],
+            InformationFunction::Variance(factor) => std::slice::from_ref(factor),
+            InformationFunction::WorstVariance { factors, .. } => factors,
+            InformationFunction::Eliminated { of, .. } => of.factors(),
+        }
+    }
+
+    /// How many variances it mixes: the length of [`Gradient::mixture`].
+    pub(super) fn mixed(&self) -> usize {
+        match self {
+            InformationFunction::WorstVariance { factors, .. } => factors.len(),
+            InformationFunction::Eliminated { of, .. } => of.mixed(),
+            _ => 0,
+        }
+    }
+
+    /// How many of its parameters, the first, are a nuisance.
+    pub fn nuisance(&self) -> usize {
+        if let InformationFunction::Eliminated { nuisance, .. } = self { *nuisance } else { 0 }
+    }
+
     /// Whether log Φ has derivatives wherever it is finite.
     pub fn is_smooth(&self) -> bool {
         match self {
@@ -88,6 +128,7 @@ impl InformationFunction {
             InformationFunction::MinEigenvalue { softness } | InformationFunction::WorstVariance { softness, .. } => {
                 *softness > 0.0
             }
+            InformationFunction::Eliminated { of, .. } => of.is_smooth(),
         }
     }
 
@@ -100,6 +141,7 @@ impl InformationFunction {
             InformationFunction::WorstVariance { factors, .. } => {
                 InformationFunction::WorstVariance { factors: factors.clone(), softness }
             }
+            InformationFunction::Eliminated { nuisance, of } => of.softened(softness).beside(*nuisance),
             smooth => smooth.clone(),
         }
     }
@@ -121,6 +163,9 @@ impl InformationFunction {
             InformationFunction::WorstVariance { factors, softness } => {
                 let values: Vec<f64> = factors.iter().map(|factor| variance(factor, m, p).recip()).collect();
                 least(&values, *softness)
+            }
+            InformationFunction::Eliminated { nuisance, of } => {
+                of.log_value(&mut Eliminated::new(m, p, *nuisance).S, p - nuisance)
             }
         }
     }
@@ -160,6 +205,10 @@ impl InformationFunction {
                 }
                 return Some(Gradient { y: pack(&Y), mixture });
             }
+            InformationFunction::Eliminated { nuisance, of } => {
+                let left = Eliminated::new(&l, p, *nuisance);
+                return Some(left.gradient(of.gradient(&left.S, p - nuisance)?));
+            }
         };
         Some(Gradient { y: pack(&y), mixture: vec![] })
     }
@@ -190,6 +239,9 @@ impl InformationFunction {
                 let columns: Vec<_> = scaled.iter().flat_map(|L| L.column_iter()).collect();
                 InformationFunction::Variance(DMatrix::from_columns(&columns)).log_polar(y, p, &[])
             }
+            InformationFunction::Eliminated { nuisance, of } => {
+                of.log_polar(&without_nuisance(y, p, *nuisance), p - nuisance, mixture)
+            }
         }
     }
 
@@ -214,6 +266,11 @@ impl InformationFunction {
             InformationFunction::WorstVariance { factors, softness } => {
                 let values: Vec<f64> = factors.iter().map(|factor| variance(factor, &l, p).recip()).collect();
                 Some(Curvature::of_worst_variance(&l, factors, &values, &SoftMinimum::new(&values, *softness)))
+            }
+            InformationFunction::Eliminated { nuisance, of } => {
+                let left = Eliminated::new(&l, p, *nuisance);
+                let order = p - nuisance;
+                Some(left.curvature(&of.curvature(&left.S, order)?, &of.gradient(&left.S, order)?))
             }
         }
     }
@@ -315,6 +372,8 @@ mod tests {
             InformationFunction::Determinant,
             InformationFunction::variance(&(&W * W.transpose())),
             InformationFunction::variance(&DMatrix::identity(P, P)),
+            InformationFunction::Determinant.beside(1),
+            InformationFunction::variance(&DMatrix::from_row_slice(2, 2, &[0.4, 0.1, 0.1, 2.0])).beside(P - 2),
         ]
     }
 
@@ -322,7 +381,8 @@ mod tests {
         let W = DMatrix::from_row_slice(P, 2, &[1.0, 0.2, 0.0, 2.0, -1.0, 0.3, 0.5, 0.0]);
         let single = DMatrix::from_diagonal_element(P, P, 0.7).select_columns(&[1]);
         let weights = [&W * W.transpose(), &single * single.transpose(), DMatrix::identity(P, P) * 0.3];
-        vec![InformationFunction::min_eigenvalue(), InformationFunction::worst_variance(&weights)]
+        let least = InformationFunction::min_eigenvalue();
+        vec![least.clone(), InformationFunction::worst_variance(&weights), least.beside(2)]
     }
 
     fn matrix() -> impl Strategy<Value = Vec<f64>> {

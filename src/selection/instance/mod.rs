@@ -469,15 +469,18 @@ fn checked_prior(term: &Term) -> Result<Vec<f64>, SelectionError> {
 
 fn checked_function(term: &Term) -> Result<InformationFunction, SelectionError> {
     let p = term.candidates.order();
-    let factors = match term.function {
-        InformationFunction::Variance(factor) => std::slice::from_ref(factor),
-        InformationFunction::WorstVariance { factors, .. } if factors.is_empty() => return Err(SelectionError::Weight),
-        InformationFunction::WorstVariance { factors, .. } => factors,
-        InformationFunction::Determinant | InformationFunction::MinEigenvalue { .. } => &[],
-    };
+    let nuisance = term.function.nuisance();
+    if nuisance >= p {
+        return Err(SelectionError::Order { what: "nuisance", expected: p - 1, found: nuisance });
+    }
+    let factors = term.function.factors();
+    let own = if let InformationFunction::Eliminated { of, .. } = term.function { of } else { term.function };
+    if factors.is_empty() && matches!(own, InformationFunction::WorstVariance { .. }) {
+        return Err(SelectionError::Weight);
+    }
     for factor in factors {
-        if factor.nrows() != p {
-            return Err(SelectionError::Order { what: "weight", expected: p, found: factor.nrows() });
+        if factor.nrows() != p - nuisance {
+            return Err(SelectionError::Order { what: "weight", expected: p - nuisance, found: factor.nrows() });
         }
         if factor.is_empty() || factor.iter().any(|entry| !entry.is_finite()) {
             return Err(SelectionError::Weight);

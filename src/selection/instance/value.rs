@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::{Block, Instance};
-use crate::selection::function::{Curvature, Gradient, InformationFunction, LogSoftMinimum};
+use crate::selection::function::{Curvature, Gradient, LogSoftMinimum};
 use crate::selection::packed::dot;
 
 /// The second derivative of an instance's log Φ at a point.
@@ -81,11 +81,7 @@ impl Instance<'_> {
     pub(crate) fn log_polar(&self, gradient: &Gradient) -> f64 {
         let mut mixture = gradient.mixture.as_slice();
         let mut of_block = |block: &Block| {
-            let used = match &block.function {
-                InformationFunction::WorstVariance { factors, .. } => factors.len().min(mixture.len()),
-                _ => 0,
-            };
-            let (own, rest) = mixture.split_at(used);
+            let (own, rest) = mixture.split_at(block.function.mixed().min(mixture.len()));
             mixture = rest;
             let log_polar = block.function.log_polar(&gradient.y[block.place.clone()], block.order(), own);
             block.share * (log_polar - block.share.ln())

@@ -12,7 +12,7 @@ use parameters::ParameterArguments;
 use summary::text;
 
 use crate::calibration::{
-    Assessment, CalibrationSettings, LossKind, Request, calibrate_by, other_lens, unknown_camera,
+    Assessment, CalibrationSettings, ExpectedWarp, LossKind, Request, calibrate_by, other_lens, unknown_camera,
 };
 use crate::camera::{Camera, Lens};
 use crate::cli::by_name;
@@ -22,11 +22,12 @@ use crate::cli::output::Screen;
 use crate::cli::output::failure::Failure;
 use crate::cli::output::verdict::Verdict;
 use crate::formats::{CameraFormat, Detections, Known};
-use crate::information::{NoiseModel, NoiseName};
+use crate::information::{Blur, NoiseModel, NoiseName};
 use crate::plan::document::{CalibrationDocument, Document, ProblemReference};
 use crate::plan::results::{probe, write_together};
 use crate::problem::{Accuracy, Problem};
 use crate::report::calibration_page;
+use crate::target::{Board, Warp};
 
 #[derive(Debug, Args)]
 pub(crate) struct CalibrateArguments {
@@ -51,6 +52,9 @@ pub(crate) struct CalibrateArguments {
     /// Half the side of the detector's window in px, for `edges` [default: the problem file's, else 5]
     #[arg(long = "window-px", value_name = "PX", value_parser = window)]
     window: Option<f64>,
+    /// How far the board may bulge, in mm, of which two heights are estimated [default: the problem file's, else flat]
+    #[arg(long = "warp-mm", value_name = "MM", value_parser = warp)]
+    warp: Option<f64>,
     /// Folder for the camera files and calibration.json
     #[arg(long, short, default_value = "calibration")]
     output: PathBuf,
@@ -114,7 +118,9 @@ pub(crate) fn run(arguments: &CalibrateArguments, screen: &mut Screen) -> Result
     probe(&arguments.output)?;
     let bar = screen.progress("calibrating", 1);
     let loss = arguments.loss.kind();
-    let settings = CalibrationSettings { ties: model.ties, noise: setting.noise, ..CalibrationSettings::default() };
+    let warp = expected_warp(arguments, setting.problem.as_ref(), observations.board());
+    let settings =
+        CalibrationSettings { ties: model.ties, noise: setting.noise, warp, ..CalibrationSettings::default() };
     let calibrated = calibrate_by(loss, observations, &model.nominal, &model.estimated, &settings);
     let other = other_lens(observations, nominal.lens());
     bar.finish_and_clear();
@@ -189,17 +195,28 @@ fn noise(arguments: &CalibrateArguments, problem: Option<&Problem>) -> Result<No
     let model = match arguments.noise {
         Some(NoiseName::Constant) => NoiseModel::Constant,
         Some(NoiseName::Edges) if stated == NoiseModel::Constant => {
-            NoiseModel::Edges { window: NoiseModel::USUAL_WINDOW }
+            NoiseModel::Edges { window: NoiseModel::USUAL_WINDOW, blur: Blur::NONE }
         }
         Some(NoiseName::Edges) | None => stated,
     };
     match (arguments.window, model) {
         (None, model) => Ok(model),
-        (Some(window), NoiseModel::Edges { .. }) => Ok(NoiseModel::Edges { window }),
+        (Some(window), NoiseModel::Edges { blur, .. }) => Ok(NoiseModel::Edges { window, blur }),
         (Some(_), NoiseModel::Constant) => {
             Err(Failure::Usage("--window-px is for --noise-model edges: constant noise has no window".into()))
         }
     }
+}
+
+/// Standard deviation of a coordinate, px, that the board's warp is held against where nothing says how far corners scatter: with a
+/// few views it hardly matters.
+const USUAL_SIGMA: f64 = 0.2;
+
+/// How the board may bulge.
+fn expected_warp(arguments: &CalibrateArguments, problem: Option<&Problem>, board: &Board) -> Option<ExpectedWarp> {
+    let stated = problem.and_then(|problem| problem.target.warp);
+    let warp = arguments.warp.map(|mm| Warp::new(mm * 1e-3, board)).or(stated)?;
+    Some(ExpectedWarp { warp, sigma: problem.map_or(USUAL_SIGMA, |problem| problem.noise.sigma) })
 }
 
 /// The formats to write; a single one must have the lens.
@@ -211,6 +228,11 @@ fn formats(files: CameraFiles, camera: &Camera) -> Result<Vec<CameraFormat>, Fai
             Err(error) => Err(Failure::Usage(error.to_string())),
         },
     }
+}
+
+fn warp(text: &str) -> Result<f64, String> {
+    let parsed = text.parse().ok().filter(|mm: &f64| (1e-3..=20.0).contains(mm));
+    parsed.ok_or_else(|| "must be a number of mm from 0.001 to 20".into())
 }
 
 fn map_error(text: &str) -> Result<f64, String> {

@@ -61,6 +61,10 @@ pub(super) fn text(detections: &Detections, calibration: &Calibration, assessmen
         optional(map.corner),
         short(map.rms),
     );
+    if let Some([x, y]) = calibration.warp() {
+        let mm = |[height, sigma]: [f64; 2]| format!("{} ± {}", fixed(height * 1e3, 3), short(sigma * 1e3));
+        text += &format!("Board's middle above its rim [mm]: along x {}, along y {}.\n", mm(x), mm(y));
+    }
     for outlier in outliers.iter().take(LISTED) {
         let (column, row) = observations.board().column_and_row(outlier.index);
         text += &format!(

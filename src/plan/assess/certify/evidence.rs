@@ -29,7 +29,7 @@ use rayon::prelude::*;
 
 use super::compare::alike;
 use super::error::CertifyError;
-use super::function::{Function, ROUNDING, in_units, inverse, matrix, scaled, semidefinite, uncertainty};
+use super::function::{Function, ROUNDING, in_units, inverse, last, matrix, scaled, semidefinite, uncertainty};
 use super::rules::{Group, Rules};
 use crate::feasibility::View;
 use crate::information::{Criterion, DiversityModel, Measurement, NoiseModel, Unweighted};
@@ -77,7 +77,7 @@ struct SetUp<'a> {
     views: Vec<Option<Cow<'a, View>>>,
     /// `X_CT` and the corners seen of the views taken already.
     captured: Vec<(Pose, Corners)>,
-    /// p×p information on the intrinsics before the first pose.
+    /// Information before the first pose on what is estimated of all views together.
     known: DMatrix<f64>,
 }
 
@@ -141,9 +141,9 @@ impl<'a> Evidence<'a> {
     pub(super) fn new(problem: &'a Problem, survey: &'a Survey) -> Result<Self, CertifyError> {
         let set_ups = SetUp::all(problem, survey)?;
         let mut unweighted = None;
-        if problem.noise.model != NoiseModel::Constant {
+        if problem.noise.model != NoiseModel::Constant || problem.target.warp.is_some() {
             let SetUp { measurement, captured, .. } = &set_ups[0];
-            let mut known = Unweighted::new(&stated(problem));
+            let mut known = Unweighted::new(&last(&stated(problem), measurement.nuisance()));
             for (X_CT, seen) in captured {
                 known.add(measurement, X_CT, seen).ok_or(CertifyError::Undetermined)?;
             }
@@ -167,7 +167,7 @@ impl<'a> Evidence<'a> {
         Ok(evidence)
     }
 
-    /// p×p information on the intrinsics before the first pose.
+    /// Information before the first pose on what is estimated of all views together.
     pub(super) fn known(&self) -> &DMatrix<f64> {
         &self.set_ups[0].known
     }
@@ -187,15 +187,23 @@ impl<'a> Evidence<'a> {
     fn term(&self, scenario: usize, criterion: Criterion, share: f64) -> Result<Term, CertifyError> {
         let SetUp { problem, measurement, views, captured, known } = &self.set_ups[scenario];
         let unknowns = problem.unknowns();
-        let units = || DVector::from_vec(unknowns.pixel_units());
+        let nuisance = measurement.nuisance();
+        let units = || DVector::from_vec([vec![1.0; nuisance], unknowns.pixel_units()].concat());
         let (source, known, function) = match criterion {
-            Criterion::D => (Source::Intrinsics, known.clone(), Function::Determinant),
+            Criterion::D => (Source::Intrinsics, known.clone(), Function::Determinant.beside(nuisance)),
             Criterion::A => {
-                let weight = DMatrix::from_diagonal(&units().map(|unit| unit.powi(-2)));
-                (Source::Intrinsics, known.clone(), Function::Variance(weight))
+                let weight = DVector::from_vec(unknowns.pixel_units()).map(|unit| unit.powi(-2));
+                let function = Function::Variance(DMatrix::from_diagonal(&weight));
+                (Source::Intrinsics, known.clone(), function.beside(nuisance))
             }
-            Criterion::V => (Source::Intrinsics, known.clone(), Function::Variance(unknowns.map_error_weight())),
-            Criterion::E => (Source::InUnits(units()), in_units(known, &units()), Function::LeastEigenvalue),
+            Criterion::V => {
+                let function = Function::Variance(unknowns.map_error_weight());
+                (Source::Intrinsics, known.clone(), function.beside(nuisance))
+            }
+            Criterion::E => {
+                let function = Function::LeastEigenvalue.beside(nuisance);
+                (Source::InUnits(units()), in_units(known, &units()), function)
+            }
             Criterion::Zhang => {
                 let mut known = DMatrix::zeros(5, 5);
                 for (X_CT, seen) in captured {
@@ -223,8 +231,8 @@ impl<'a> Evidence<'a> {
 
     /// The worst of the accuracies, each variance as a share of what is requested.
     fn accuracy_term(&self, scenario: usize, accuracies: &[(Accuracy, f64)]) -> Term {
-        let SetUp { problem, known, .. } = &self.set_ups[scenario];
-        let p = known.nrows();
+        let SetUp { problem, measurement, known, .. } = &self.set_ups[scenario];
+        let p = problem.unknowns().len();
         let weight = |&(accuracy, requested): &(Accuracy, f64)| {
             let weight = match accuracy {
                 Accuracy::MapError => problem.unknowns().map_error_weight(),
@@ -232,7 +240,7 @@ impl<'a> Evidence<'a> {
             };
             weight / (requested * requested)
         };
-        let function = Function::WorstVariance(accuracies.iter().map(weight).collect());
+        let function = Function::WorstVariance(accuracies.iter().map(weight).collect()).beside(measurement.nuisance());
         Term { scenario, name: Goal::ACCURACY, share: 1.0, source: Source::Intrinsics, known: known.clone(), function }
     }
 
@@ -303,7 +311,7 @@ impl<'a> Evidence<'a> {
             let Some(view) = &views[i] else { continue };
             M += matrix(measurement.information(&view.X_CT, &view.seen), M.nrows())?;
         }
-        let covariance = inverse(&M);
+        let covariance = last(&inverse(&M), measurement.nuisance());
         let map_error = (problem.unknowns().map_error_weight() * &covariance).trace().sqrt();
         let sigma = covariance.diagonal().iter().map(|variance| variance.sqrt()).collect();
         Ok(Accuracies { sigma, map_error, uncertainty: uncertainty(&scaled(&M).0) })
@@ -322,8 +330,8 @@ impl<'a> Evidence<'a> {
     /// log Φ in the unit in which plans state it: log det, a variance, an eigenvalue; of several criteria or accuracies Φ.
     pub(super) fn natural(&self, log: f64) -> f64 {
         match self.lone() {
-            Some(Term { function: Function::Determinant, known, .. }) => log * known.nrows() as f64,
-            Some(Term { function: Function::Variance(_), .. }) => (-log).exp(),
+            Some((Function::Determinant, order)) => log * order as f64,
+            Some((Function::Variance(_), _)) => (-log).exp(),
             _ => log.exp(),
         }
     }
@@ -331,16 +339,16 @@ impl<'a> Evidence<'a> {
     /// log Φ of what a plan states.
     pub(super) fn log_of(&self, natural: f64) -> f64 {
         match self.lone() {
-            Some(Term { function: Function::Determinant, known, .. }) => natural / known.nrows() as f64,
-            Some(Term { function: Function::Variance(_), .. }) => -natural.ln(),
+            Some((Function::Determinant, order)) => natural / order as f64,
+            Some((Function::Variance(_), _)) => -natural.ln(),
             _ => natural.ln(),
         }
     }
 
-    /// The first term, if all are of one criterion.
-    fn lone(&self) -> Option<&Term> {
-        let first = self.terms.first();
-        first.filter(|first| self.terms.iter().all(|term| term.name == first.name))
+    /// The function of the first term, if all are of one criterion, and of how many parameters it is.
+    fn lone(&self) -> Option<(&Function, usize)> {
+        let first = self.terms.first().filter(|first| self.terms.iter().all(|term| term.name == first.name))?;
+        Some(first.function.asked(first.known.nrows()))
     }
 
     /// The logarithm of `S / Φ°(Y)`: no allowed set of `count` views has a greater log Φ.
@@ -451,12 +459,16 @@ fn captured(problem: &Problem) -> impl Iterator<Item = Option<(Pose, Corners)>> 
     })
 }
 
-/// p×p information of the standard deviations stated.
+/// Information of the standard deviations stated: of the heights of a board that may bulge, in their deviations, and of the intrinsics.
 fn stated(problem: &Problem) -> DMatrix<f64> {
-    let p = problem.unknowns().len();
-    let mut known = DMatrix::zeros(p, p);
+    let nuisance = problem.measurement().nuisance();
+    let order = nuisance + problem.unknowns().len();
+    let mut known = DMatrix::zeros(order, order);
+    for height in 0..nuisance {
+        known[(height, height)] = 1.0;
+    }
     for &(j, sigma) in &problem.prior_sigma {
-        known[(j, j)] += sigma.powi(-2);
+        known[(nuisance + j, nuisance + j)] += sigma.powi(-2);
     }
     known
 }

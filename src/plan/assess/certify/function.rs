@@ -13,6 +13,8 @@ pub(super) enum Function {
     LeastEigenvalue,
     Variance(DMatrix<f64>),
     WorstVariance(Vec<DMatrix<f64>>),
+    /// Φ of what is left on the parameters but the first, which are estimated beside them: of the Schur complement.
+    Beside(usize, Box<Function>),
 }
 
 impl Function {
@@ -21,6 +23,20 @@ impl Function {
         match self {
             Self::Determinant | Self::LeastEigenvalue | Self::Variance(_) => 0,
             Self::WorstVariance(weights) => weights.len(),
+            Self::Beside(_, of) => of.mixed(),
+        }
+    }
+
+    /// The same beside the first `nuisance` parameters.
+    pub(super) fn beside(self, nuisance: usize) -> Self {
+        if nuisance == 0 { self } else { Self::Beside(nuisance, Box::new(self)) }
+    }
+
+    /// What it is of the parameters that it asks for, and how many there are of all `order`.
+    pub(super) fn asked(&self, order: usize) -> (&Self, usize) {
+        match self {
+            Self::Beside(nuisance, of) => of.asked(order - nuisance),
+            own => (own, order),
         }
     }
 
@@ -31,15 +47,17 @@ impl Function {
             Self::LeastEigenvalue => M.symmetric_eigenvalues().min().ln(),
             Self::Variance(W) => -(W * inverse(M)).trace().ln(),
             Self::WorstVariance(weights) => -worst(weights, &inverse(M)).1.ln(),
+            Self::Beside(nuisance, of) => of.log_value(&left(M, *nuisance).0),
         }
     }
 
     /// How far rounding may move log Φ(M). Where it moves M by no more than a share ρ, `(1 − ρ) M ⪯ M' ⪯ (1 + ρ) M`, it moves
-    /// every Φ by no more than that, for Φ is monotone and homogeneous.
+    /// every Φ by no more than that, for Φ is monotone and homogeneous, and so are Schur complements.
     pub(super) fn uncertainty(&self, M: &DMatrix<f64>) -> f64 {
         match self {
             Self::LeastEigenvalue => uncertainty(&(M / M.diagonal().max())),
             Self::Determinant | Self::Variance(_) | Self::WorstVariance(_) => uncertainty(&scaled(M).0),
+            Self::Beside(_, of) => of.uncertainty(M),
         }
     }
 
@@ -59,6 +77,10 @@ impl Function {
             }
             Self::Variance(W) => of_variance(W),
             Self::WorstVariance(weights) => of_variance(&weights[worst(weights, &inverse(M)).0]),
+            Self::Beside(nuisance, of) => {
+                let (S, K) = left(M, *nuisance);
+                K.transpose() * of.gradient(&S) * K
+            }
         }
     }
 
@@ -77,8 +99,24 @@ impl Function {
                 let mixed = weights.iter().zip(mixture).map(|(W, λ)| W * *λ);
                 log_polar_of_variance(&mixed.fold(Y * 0.0, |sum, W| sum + W), Y, shift)
             }
+            Self::Beside(nuisance, of) => of.log_polar(&last(Y, *nuisance), mixture, shift),
         }
     }
+}
+
+/// The block of the parameters but the first `nuisance`.
+pub(super) fn last(M: &DMatrix<f64>, nuisance: usize) -> DMatrix<f64> {
+    let p = M.nrows() - nuisance;
+    M.view((nuisance, nuisance), (p, p)).into_owned()
+}
+
+/// The Schur complement of the first `nuisance` parameters of M, the inverse of [`last`] of M⁻¹, and the K with which it is `K M Kᵀ`.
+fn left(M: &DMatrix<f64>, nuisance: usize) -> (DMatrix<f64>, DMatrix<f64>) {
+    let S = inverse(&last(&inverse(M), nuisance));
+    let (p, s) = (S.nrows(), nuisance);
+    let across = -M.view((s, 0), (p, s)) * inverse(&M.view((0, 0), (s, s)).into_owned());
+    let K = DMatrix::from_fn(p, s + p, |i, j| if j < s { across[(i, j)] } else { f64::from(u8::from(i + s == j)) });
+    (S, K)
 }
 
 /// The greatest of `tr(W_j M⁻¹)`, and which it is.

@@ -126,7 +126,11 @@ pub fn next(
     }
     let problem = problem;
     let known = (&survey.map_weight * &calibration.covariance).trace().sqrt();
-    let prior = calibration.covariance.clone().cholesky().ok_or(PlanError::Covariance)?.inverse();
+    let mut prior = calibration.joint_covariance.clone().cholesky().ok_or(PlanError::Covariance)?.inverse();
+    // What was expected of the board's heights is known without the calibration too.
+    for height in 0..problem.measurement().nuisance() {
+        prior[(height, height)] -= 1.0;
+    }
     let chooser = Chooser::new(&problem, &survey)?.with_prior(&prior)?;
     let nothing =
         Proposal { known, expected: known, rehearsal: None, fulfilled: false, poses: vec![], repeats: vec![] };

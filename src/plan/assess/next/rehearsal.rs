@@ -7,7 +7,7 @@ use rand_distr::StandardNormal;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
-use crate::calibration::{Calibration, CalibrationSettings, Observations, calibrate, pose_of_view};
+use crate::calibration::{Calibration, CalibrationSettings, ExpectedWarp, Observations, calibrate, pose_of_view};
 use crate::camera::Camera;
 use crate::feasibility::View;
 use crate::target::Corners;
@@ -43,6 +43,7 @@ pub(crate) fn rehearse(
     seed: u64,
 ) -> Option<Rehearsal> {
     let L = calibration.covariance.clone().cholesky()?.unpack();
+    let warp = calibration.surface.warp().map(|&warp| ExpectedWarp { warp, sigma: calibration.sigma });
     let error = |trial: usize| {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed.wrapping_add(trial as u64));
         let δ = &L * DVector::from_fn(L.nrows(), |_, _| rng.sample::<f64, _>(StandardNormal));
@@ -54,7 +55,7 @@ pub(crate) fn rehearse(
         let scene = scene(observations, calibration, proposed, truth)?;
         let seen = scene.observe(observations.board(), rng.r#gen()).ok()?;
         let estimated = &calibration.estimated;
-        let settings = CalibrationSettings { noise: calibration.noise, ..CalibrationSettings::default() };
+        let settings = CalibrationSettings { noise: calibration.noise, warp, ..CalibrationSettings::default() };
         let found = calibrate(&seen, &calibration.camera, estimated, &settings).ok()?;
         let (found, truth) = (found.camera.intrinsics(), scene.camera.intrinsics());
         let deviation = DVector::from_iterator(estimated.len(), estimated.iter().map(|&j| found[j] - truth[j]));
@@ -85,5 +86,5 @@ fn scene(observations: &Observations, calibration: &Calibration, proposed: &[&Vi
     });
     let seen: Vec<Corners> = seen.chain(proposed.iter().map(|view| view.seen.clone())).collect();
     let (sigma, noise) = (vec![calibration.sigma; poses.len()], calibration.noise);
-    Some(Scene { camera: truth, sigma, noise, poses, seen, missing: 0.0 })
+    Some(Scene { camera: truth, sigma, noise, poses, seen, missing: 0.0, surface: calibration.surface })
 }

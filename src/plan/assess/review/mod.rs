@@ -17,7 +17,6 @@ use crate::plan::document::{
 };
 use crate::plan::survey::Survey;
 use crate::problem::{Method, Problem};
-use crate::selection::packed::inverse;
 use crate::spatial::Pose;
 use silhouettes::silhouettes;
 
@@ -35,7 +34,7 @@ pub fn review(plan: &Plan, chooser: &Chooser, selected: &[usize]) -> Result<Revi
     let (problem, survey) = (chooser.problem(), chooser.survey());
     let chosen = chooser.assess(selected.to_vec());
     let (other, _) = median_choice(chooser, Method::KMeansJoints, plan.count, plan.seed, SEEDS)?;
-    let covariance = |choice: &Choice| inverse(&chooser.information(&choice.selected));
+    let covariance = |choice: &Choice| chooser.covariance(&chooser.information(&choice.selected));
     let known = covariance(&chosen);
     let map = |known: &DMatrix<f64>| ErrorGrid::new(&problem.unknowns(), known);
     let scene = Scene::new(problem);
@@ -63,7 +62,7 @@ pub fn review(plan: &Plan, chooser: &Chooser, selected: &[usize]) -> Result<Revi
         curve: curve::curve(plan, chooser)?,
         correlation: known.as_ref().map(correlation).unwrap_or_default(),
         error_map: known.as_ref().map(map),
-        error_map_before: inverse(&chooser.information(&[])).as_ref().map(map),
+        error_map_before: chooser.covariance(&chooser.information(&[])).as_ref().map(map),
         scene,
     })
 }

@@ -9,6 +9,7 @@ use crate::formats::Detections;
 use crate::plan::document::error_grid::ErrorGrid;
 use crate::plan::document::header::{Document, Header, ProblemReference, finite};
 use crate::plan::document::plan::Pose;
+use crate::target::Warp;
 
 /// Corners of a calibration whose residuals are listed at most.
 const MOST_RESIDUALS: usize = 100_000;
@@ -39,6 +40,9 @@ pub struct CalibrationDocument {
     pub rms_px: f64,
     /// Standard deviation of one pixel coordinate of a corner; under `edges` of one seen square-on.
     pub sigma_px: f64,
+    /// How far the board is from flat, where that was estimated too.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub warp_mm: Option<BoardWarp>,
     /// By what the corners were weighed: `constant`, or `edges`, those that the detector saw; older calibrations do not say.
     #[serde(default)]
     pub noise_model: Option<String>,
@@ -61,6 +65,19 @@ pub struct CalibrationDocument {
     pub judgement: String,
     /// The same in a sentence for people, and what is weak.
     pub verdict: String,
+}
+
+/// How high a board's middle lies above its rim, towards the side printed on, as seen along x and along y; with standard deviations.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct BoardWarp {
+    /// Along x.
+    pub x: f64,
+    /// Along y.
+    pub y: f64,
+    /// Of the height along x.
+    pub x_sigma: f64,
+    /// Of that along y.
+    pub y_sigma: f64,
 }
 
 /// Size of images.
@@ -170,6 +187,13 @@ impl Document for CalibrationDocument {
     const VERSION: u32 = 2;
 }
 
+impl BoardWarp {
+    /// Of heights and their standard deviations, m.
+    fn new([[x, x_sigma], [y, y_sigma]]: [[f64; 2]; Warp::HEIGHTS]) -> Self {
+        Self { x: x * 1e3, y: y * 1e3, x_sigma: x_sigma * 1e3, y_sigma: y_sigma * 1e3 }
+    }
+}
+
 impl CalibrationDocument {
     /// The `calibration` of what was detected, as it is assessed.
     pub fn new(
@@ -184,7 +208,7 @@ impl CalibrationDocument {
         let all = camera.lens().parameter_names();
         let name = |i: usize| all[i].to_owned();
         let fits = (observations.corner_count() <= MOST_RESIDUALS)
-            .then(|| residuals(observations, camera, &calibration.poses));
+            .then(|| residuals(observations, camera, &calibration.poses, &calibration.surface));
         let of_view = |i: usize| {
             let of = |(corner, residual): (&Corner, &Vector2<f64>)| {
                 let (column, row) = observations.board().column_and_row(corner.index);
@@ -230,6 +254,7 @@ impl CalibrationDocument {
             converged: calibration.convergence.converged,
             rms_px: calibration.rms,
             sigma_px: calibration.sigma,
+            warp_mm: calibration.warp().map(BoardWarp::new),
             noise_model: Some(calibration.noise.name().name().into()),
             residuals_px: ResidualLengths {
                 median: finite(lengths.median),

@@ -58,7 +58,7 @@ impl NoiseDocument {
             sigma_px: noise.sigma,
             window_px: match noise.model {
                 NoiseModel::Constant => None,
-                NoiseModel::Edges { window } => Some(window),
+                NoiseModel::Edges { window, .. } => Some(window),
             },
             misfit: *misfit,
         };
