@@ -8,7 +8,7 @@ use super::output::failure::Failure;
 use crate::formats::read_at_most;
 use crate::plan::assess::LocateError;
 use crate::plan::choose::{Chooser, refined_survey};
-use crate::plan::document::{Plan, Run};
+use crate::plan::document::{Plan, PlannedPose, PlannedPoses, ProblemReference, Run};
 use crate::plan::results::{check_results, hold_to_read};
 use crate::plan::survey::Survey;
 use crate::problem::Problem;
@@ -37,48 +37,21 @@ impl LoadedPlan {
     pub(crate) fn read_to_add(path: &Path, problem: Option<&Path>, files: &[&str]) -> Result<Self, Failure> {
         let loaded = Self::open(path, problem)?;
         loaded.among_its_own(path, files)?;
-        let fitted = loaded.plan.fit(&loaded.problem);
-        fitted.map_err(|error| Failure::PlanFile { path: path.to_owned(), reason: error.to_string() })?;
+        loaded.plan.fit(&loaded.problem).map_err(|error| refused(path, error.to_string()))?;
         Ok(loaded)
     }
 
     /// As [`LoadedPlan::read`], but whatever is beside the plan, and whether it fits its problem or not.
     pub(crate) fn open(path: &Path, problem: Option<&Path>) -> Result<Self, Failure> {
-        let refused = |reason: String| Failure::PlanFile { path: path.to_owned(), reason };
-        let held = hold_to_read(path);
-        let text = read_at_most(path, LARGEST).map_err(|error| refused(error.to_string()))?;
-        let text = String::from_utf8(text).map_err(|_| refused("it is not UTF-8 text".into()))?;
-        let mixed = check_results(path);
-        drop(held);
-        let plan = Plan::from_json(&text).map_err(|error| refused(error.to_string()))?;
-        let problem_path = problem.map(Path::to_owned).or_else(|| named_by_run(path)).ok_or_else(|| {
-            refused("no run.json beside it names the problem file; name it with --problem FILE".into())
-        })?;
-        let overrides = plan.problem.overrides().map_err(|error| refused(error.to_string()))?;
-        if problem.is_none() && !problem_path.exists() {
-            let path = problem_path.display();
-            return Err(refused(format!(
-                "run.json beside it names the problem file {path}, which does not exist; say where it is with --problem FILE"
-            )));
-        }
-        let problem = Problem::read_with(&problem_path, &overrides)?;
-        if problem.sha256 != plan.problem.sha256 {
-            let path = problem_path.display();
-            return Err(refused(if problem.name == plan.problem.name {
-                format!(
-                    "it was made from another version of {path}; make a new plan, or name the old file with --problem"
-                )
-            } else {
-                format!("it is a plan for \"{}\", but {path} describes \"{}\"", plan.problem.name, problem.name)
-            }));
-        }
+        let (text, mixed) = read_text(path)?;
+        let plan = Plan::from_json(&text).map_err(|error| refused(path, error.to_string()))?;
+        let problem = problem_of(path, &plan.problem, problem)?;
         Ok(Self { plan, problem, text, mixed })
     }
 
     /// That the plan at `path` and the files beside it are of one run, those of `except` aside.
     pub(crate) fn among_its_own(&self, path: &Path, except: &[&str]) -> Result<(), Failure> {
-        let files: Vec<String> = self.mixed.iter().filter(|name| !except.contains(&name.as_str())).cloned().collect();
-        if files.is_empty() { Ok(()) } else { Err(Failure::Mixed { path: path.to_owned(), files }) }
+        among_its_own(path, &self.mixed, except)
     }
 
     /// Surveys the problem anew.
@@ -90,9 +63,73 @@ impl LoadedPlan {
     pub(crate) fn locate<'a>(&'a self, path: &Path, survey: &'a Survey) -> Result<(Chooser<'a>, Vec<usize>), Failure> {
         self.plan.locate(&self.problem, survey).map_err(|error| match error {
             LocateError::Plan(error) => error.into(),
-            refused => Failure::PlanFile { path: path.to_owned(), reason: refused.to_string() },
+            error => refused(path, error.to_string()),
         })
     }
+}
+
+/// The poses of a plan, on the grid or polished, and their problem.
+pub(crate) struct LoadedPoses {
+    pub(crate) poses: Vec<PlannedPose>,
+    pub(crate) problem: Problem,
+}
+
+impl LoadedPoses {
+    /// Reads the poses at `path` as [`LoadedPlan::read`] reads a plan.
+    pub(crate) fn read(path: &Path, problem: Option<&Path>) -> Result<Self, Failure> {
+        let (text, mixed) = read_text(path)?;
+        let planned = PlannedPoses::from_json(&text).map_err(|error| refused(path, error.to_string()))?;
+        let problem = problem_of(path, &planned.problem, problem)?;
+        among_its_own(path, &mixed, &[])?;
+        planned.fit(&problem).map_err(|error| refused(path, error.to_string()))?;
+        Ok(Self { poses: planned.poses, problem })
+    }
+}
+
+fn refused(path: &Path, reason: String) -> Failure {
+    Failure::PlanFile { path: path.to_owned(), reason }
+}
+
+/// The plan's text, and the names of the files beside it that are not of the run that wrote it.
+fn read_text(path: &Path) -> Result<(String, Vec<String>), Failure> {
+    let held = hold_to_read(path);
+    let text = read_at_most(path, LARGEST).map_err(|error| refused(path, error.to_string()))?;
+    let text = String::from_utf8(text).map_err(|_| refused(path, "it is not UTF-8 text".into()))?;
+    let mixed = check_results(path);
+    drop(held);
+    Ok((text, mixed))
+}
+
+/// The problem to which the plan at `path` refers by `reference`: in the file `problem`, else in that which `run.json` names.
+fn problem_of(path: &Path, reference: &ProblemReference, problem: Option<&Path>) -> Result<Problem, Failure> {
+    let refused = |reason: String| refused(path, reason);
+    let problem_path = problem
+        .map(Path::to_owned)
+        .or_else(|| named_by_run(path))
+        .ok_or_else(|| refused("no run.json beside it names the problem file; name it with --problem FILE".into()))?;
+    let overrides = reference.overrides().map_err(|error| refused(error.to_string()))?;
+    if problem.is_none() && !problem_path.exists() {
+        let path = problem_path.display();
+        return Err(refused(format!(
+            "run.json beside it names the problem file {path}, which does not exist; say where it is with --problem FILE"
+        )));
+    }
+    let problem = Problem::read_with(&problem_path, &overrides)?;
+    if problem.sha256 != reference.sha256 {
+        let path = problem_path.display();
+        return Err(refused(if problem.name == reference.name {
+            format!("it was made from another version of {path}; make a new plan, or name the old file with --problem")
+        } else {
+            format!("it is a plan for \"{}\", but {path} describes \"{}\"", reference.name, problem.name)
+        }));
+    }
+    Ok(problem)
+}
+
+/// That the plan at `path` and the files beside it are of one run: none is `mixed` in, those of `except` aside.
+fn among_its_own(path: &Path, mixed: &[String], except: &[&str]) -> Result<(), Failure> {
+    let files: Vec<String> = mixed.iter().filter(|name| !except.contains(&name.as_str())).cloned().collect();
+    if files.is_empty() { Ok(()) } else { Err(Failure::Mixed { path: path.to_owned(), files }) }
 }
 
 fn named_by_run(plan: &Path) -> Option<PathBuf> {

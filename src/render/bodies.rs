@@ -24,6 +24,30 @@ pub struct PlacedBody<'a> {
     pub X_CL: Pose,
 }
 
+/// Where a ray meets a body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Hit {
+    /// Which of the bodies.
+    body: usize,
+    /// How far along the ray, m.
+    pub(super) depth: f64,
+    /// Its grey value there.
+    pub(super) shade: f64,
+}
+
+/// Difference of shades beyond which a body has an edge between two rays; what is round is shaded more smoothly.
+const EDGE: f64 = 20.0;
+
+impl Hit {
+    /// Whether rays next to each other, which meet this and that or nothing, are either side of an edge.
+    pub(super) fn is_edge(a: Option<Self>, b: Option<Self>) -> bool {
+        match (a, b) {
+            (Some(a), Some(b)) => a.body != b.body || (a.shade - b.shade).abs() > EDGE,
+            (a, b) => a.is_some() != b.is_some(),
+        }
+    }
+}
+
 struct Placed {
     solid: Box<dyn Solid>,
     X_CG: Isometry3<f64>,
@@ -48,18 +72,19 @@ impl Bodies {
         Self(placed.collect())
     }
 
-    /// How far along a ray of unit length from the camera the first body is, m, and its grey value.
-    pub(super) fn first(&self, ray: &Vector3<f64>) -> Option<(f64, f64)> {
-        let mut first: Option<(f64, f64)> = None;
-        for Placed { solid, X_CG, centre, radius } in &self.0 {
+    /// What a ray of unit length from the camera meets first.
+    pub(super) fn first(&self, ray: &Vector3<f64>) -> Option<Hit> {
+        let mut first: Option<Hit> = None;
+        for (body, Placed { solid, X_CG, centre, radius }) in self.0.iter().enumerate() {
             let nearest = ray * ray.dot(centre).max(0.0);
             if (nearest - centre).norm_squared() > radius * radius {
                 continue;
             }
-            let most = first.map_or(f64::MAX, |(depth, _)| depth);
+            let most = first.map_or(f64::MAX, |hit| hit.depth);
             if let Some(hit) = solid.cast_ray_and_get_normal(X_CG, &Ray::new(Point3::origin(), *ray), most, true) {
                 let facing = -hit.normal.dot(ray);
-                first = Some((hit.time_of_impact, FACING - DARKER * (1.0 - facing.clamp(0.0, 1.0))));
+                let shade = FACING - DARKER * (1.0 - facing.clamp(0.0, 1.0));
+                first = Some(Hit { body, depth: hit.time_of_impact, shade });
             }
         }
         first

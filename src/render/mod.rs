@@ -16,6 +16,7 @@ use rand_distr::StandardNormal;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
+use self::bodies::Hit;
 use crate::camera::Camera;
 use crate::feasibility::FLUSH;
 use crate::spatial::Pose;
@@ -28,7 +29,7 @@ const BEHIND: f64 = 110.0;
 /// How pictures are rendered.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RenderSettings {
-    /// Rays along each side of a pixel that sees the board. Default: 6.
+    /// Rays along each side of a pixel that sees the board or the edge of a body. Default: 6.
     pub supersampling: u32,
     /// Standard deviation of the lens's blur in px. Default: 0.6.
     pub blur: f64,
@@ -64,7 +65,9 @@ pub fn render(camera: &Camera, pattern: &Pattern, X_CT: &Pose, bodies: &Bodies, 
     let pixel = |i: usize| Vector2::new((i % width) as f64, (i / width) as f64);
     let ray = |i: usize| camera.unproject(&pixel(i)).map(nalgebra::Unit::into_inner);
     let rays: Vec<Option<Vector3<f64>>> = (0..width * height).into_par_iter().map(ray).collect();
-    let scene = Scene { rays, width, pattern, X_TC: X_CT.inverse(), bodies, offsets: offsets(settings.supersampling) };
+    let hits = rays.par_iter().map(|ray| bodies.first(&(*ray)?)).collect();
+    let offsets = offsets(settings.supersampling);
+    let scene = Scene { rays, hits, width, pattern, X_TC: X_CT.inverse(), bodies, offsets };
     let mut grey: Vec<f64> = vec![0.0; width * height];
     grey.par_chunks_mut(width).enumerate().for_each(|(v, row)| scene.fill(v, row));
     let kernel = gauss(settings.blur);
@@ -87,6 +90,8 @@ pub fn render(camera: &Camera, pattern: &Pattern, X_CT: &Pose, bodies: &Bodies, 
 struct Scene<'a> {
     /// The directions that the pixels show, of unit length, row by row; none beyond the lens.
     rays: Vec<Option<Vector3<f64>>>,
+    /// The bodies that they meet.
+    hits: Vec<Option<Hit>>,
     width: usize,
     pattern: &'a Pattern,
     X_TC: Pose,
@@ -101,29 +106,33 @@ impl Scene<'_> {
         for (u, grey) in row.iter_mut().enumerate() {
             let at = v * self.width + u;
             let Some(ray) = self.rays[at] else { continue };
-            let body = self.bodies.first(&ray);
             // Between pixels a ray changes as from one to the next.
             let beside = [(u > 0).then(|| at - 1), (u + 1 < self.width).then_some(at + 1)];
             let above = [at.checked_sub(self.width), Some(at + self.width).filter(|&i| i < self.rays.len())];
             let (along_u, along_v) = (self.slope(beside, at), self.slope(above, at));
             let through = |offset: &Vector2<f64>| ray + along_u * offset.x + along_v * offset.y;
-            *grey = match body {
-                _ if CORNERS.iter().any(|offset| self.on_board(&through(offset)).is_some()) => {
-                    let grey = |offset: &Vector2<f64>| {
-                        let ray = through(offset);
-                        match (self.on_board(&ray), body) {
-                            (Some(_), Some((depth, shade))) if self.rises(&ray, depth) => shade,
-                            (Some(true), _) => BLACK,
-                            (Some(false), _) => WHITE,
-                            (None, Some((_, shade))) => shade,
-                            (None, None) => BEHIND,
-                        }
-                    };
-                    self.offsets.iter().map(grey).sum::<f64>() / self.offsets.len() as f64
-                }
-                Some((_, shade)) => shade,
-                None => BEHIND,
+            let mut neighbours = [beside, above].into_iter().flatten().flatten().filter(|&i| self.rays[i].is_some());
+            let is_edge = neighbours.any(|i| Hit::is_edge(self.hits[at], self.hits[i]));
+            let grey_of = |offset: &Vector2<f64>| {
+                let ray = through(offset);
+                self.grey(&ray, if is_edge { self.bodies.first(&ray.normalize()) } else { self.hits[at] })
             };
+            *grey = if is_edge || CORNERS.iter().any(|offset| self.on_board(&through(offset)).is_some()) {
+                self.offsets.iter().map(grey_of).sum::<f64>() / self.offsets.len() as f64
+            } else {
+                self.hits[at].map_or(BEHIND, |hit| hit.shade)
+            };
+        }
+    }
+
+    /// The grey value that a ray from the camera meets, with the body that it meets.
+    fn grey(&self, ray: &Vector3<f64>, body: Option<Hit>) -> f64 {
+        match (self.on_board(ray), body) {
+            (Some(_), Some(hit)) if self.rises(ray, hit.depth) => hit.shade,
+            (Some(true), _) => BLACK,
+            (Some(false), _) => WHITE,
+            (None, Some(hit)) => hit.shade,
+            (None, None) => BEHIND,
         }
     }
 
@@ -275,6 +284,27 @@ mod tests {
         assert!(hidden > 60 && hidden < 180, "{hidden}");
         // Behind the board, and around the camera, they hide nothing.
         assert_eq!((middle(&ball(0.6)), middle(&ball(0.0))), (free, free));
+    }
+
+    #[test]
+    fn edges_of_bodies_are_antialiased() {
+        let camera = Camera::new(Lens::Pinhole, 320, 240, &[400.0, 400.0, 159.5, 119.5]).unwrap();
+        let picture = |supersampling: u32| {
+            // Its front is 0.9 m before the camera, and its right side, which is not seen, at the pixel 200.25; the board is behind.
+            let edge = (200.25 - 159.5) / 400.0 * 0.9;
+            let half_extents = Vector3::new(edge, 0.1, 0.1);
+            let wall = Body { X_LG: Pose::translation(0.0, 0.0, 1.0), shape: Shape::Box { half_extents } };
+            let bodies = Bodies::new([PlacedBody { body: &wall, X_CL: Pose::identity() }]);
+            let settings = RenderSettings { supersampling, blur: 0.0, ..CLEAN };
+            let X_CT = Pose::translation(0.0, 0.0, -1.0);
+            render(&camera, &pattern(), &X_CT, &bodies, &settings).grey
+        };
+        let row = |grey: &[u8]| [199, 200, 201].map(|u| f64::from(grey[120 * 320 + u]));
+        let [wall, edge, behind] = row(&picture(8));
+        assert!(wall > 140.0 && behind == 110.0);
+        // Three quarters of the pixel.
+        assert!((edge - (0.75 * wall + 0.25 * behind)).abs() <= 1.0, "{wall} {edge} {behind}");
+        assert_eq!(row(&picture(1))[1], wall);
     }
 
     #[test]

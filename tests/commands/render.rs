@@ -1,4 +1,4 @@
-//! `calipose render` writes the picture of every pose, the same for the same seed.
+//! `calipose render` writes the picture of every pose of a plan, polished or not, the same for the same seed.
 
 use std::path::Path;
 
@@ -51,6 +51,28 @@ fn every_pose_has_its_picture() {
 }
 
 #[test]
+fn polished_poses_are_rendered_where_they_are() {
+    let desk = Desk::new();
+    let plan = desk.json("plan coarse.toml -k 9 --trials 0 -o out --json");
+    let polished = desk.json("polish out/plan.json --cycles 1 --json");
+    let render = |what: &str, folder: &str| {
+        desk.json(&format!("render out/{what}.json --supersampling 1 --noise 0 -o {folder} --json"))["pictures"].clone()
+    };
+    let (on_grid, off_grid) = (render("plan", "on"), render("polished", "off"));
+    assert_eq!(on_grid, off_grid, "under the same names, by the ids of the poses that they started from");
+    let poses = plan["poses"].as_array().unwrap().iter().zip(polished["poses"].as_array().unwrap());
+    let mut moved = 0;
+    for (entry, (before, after)) in off_grid.as_array().unwrap().iter().zip(poses) {
+        let file = entry["file"].as_str().unwrap();
+        let is_still = before["joints_rad"] == after["joints_rad"];
+        let [on, off] = ["on", "off"].map(|folder| picture(&desk.path(folder).join(file)));
+        assert_eq!(on == off, is_still, "{file}");
+        moved += usize::from(!is_still);
+    }
+    assert!(moved > 0);
+}
+
+#[test]
 fn what_cannot_be_rendered_is_refused() {
     let desk = Desk::new();
     desk.json("plan coarse.toml -k 9 --trials 0 -o out --json");
@@ -64,4 +86,7 @@ fn what_cannot_be_rendered_is_refused() {
         assert!(output.status.code() == Some(2) && error.contains(what), "{error}");
     }
     assert_eq!(desk.run("render none/plan.json").status.code(), Some(3));
+    // Neither a plan nor a polished one.
+    let error = desk.complaint("render out/run.json", 3);
+    assert!(error.contains("in a plan it is \"calipose.plan\" or \"calipose.polished\""), "{error}");
 }

@@ -2,7 +2,7 @@
 
     python tests/cross_check/corners_from_pictures.py [plan.json [corners.vnl]]
 
-Without a plan the poses are made up. The camera is that of problems/servosila-engineer.toml, the pictures are those of pictures.py
+Without a plan the poses are made up. The camera is that of problems/servosila-engineer.toml, the pictures are those of drawing.py
 with a little noise, and the truth is OpenCV's projection. With a second argument nothing is rendered: the corners as OpenCV projects
 them, with the problem's noise, are written there, which made problems/examples/servosila-corners.vnl. Makes a virtual environment
 with packages from PyPI (see environment.py).
@@ -15,8 +15,8 @@ import tempfile
 import tomllib
 from pathlib import Path
 
+import drawing
 import map_error
-import pictures
 from environment import run_with
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -58,7 +58,7 @@ def main():
         poses = [map_error.board_in_camera(problem, pose) for pose in plan["poses"]]
     else:
         poses = list(made_up(columns * square * camera.fx / camera.size[0] * 2.0))
-    views = pictures.Views(camera, target, poses)
+    views = drawing.Views(camera, target, poses)
     if len(sys.argv) > 2:
         Path(sys.argv[2]).write_text(simulated(views, problem["noise"]))
         return
@@ -66,7 +66,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         names = [f"view{n:02}.png" for n in range(len(poses))]
         for name, pose in zip(names, poses):
-            cv2.imwrite(f"{folder}/{name}", pictures.exposed(views.picture(pose), GREY_NOISE, rng))
+            cv2.imwrite(f"{folder}/{name}", drawing.exposed(views.picture(pose), GREY_NOISE, rng))
         script = ROOT / "examples/corners_from_pictures.py"
         command = [sys.executable, script, f"{columns}x{rows}", *names]
         table = subprocess.run(command, cwd=folder, check=True, capture_output=True, text=True).stdout
@@ -99,6 +99,6 @@ if __name__ == "__main__":
     import cv2
     import numpy as np
 
-    for module in (map_error, pictures):
+    for module in (drawing, map_error):
         module.cv2, module.np = cv2, np
     main()

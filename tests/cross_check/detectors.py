@@ -17,12 +17,13 @@ import sys
 import tempfile
 from pathlib import Path
 
+import board_detectors
 import map_error
+from board_detectors import WINDOW_PX, refined, tags
 from environment import run_with
 from map_error import Camera, rotation
 
 ROOT = Path(__file__).resolve().parents[2]
-WINDOW_PX = 5
 GREY_NOISE = 8.0
 DISTANCES_MM = (300, 600)
 TILTS_DEG = list(range(0, 61, 10))
@@ -164,16 +165,9 @@ class Views:
             assert ok, "no checkerboard found"
             found = refined(picture, corners)
         elif self.kind == "aprilgrid":
-            parameters = cv2.aruco.DetectorParameters()
-            parameters.markerBorderBits = 2
-            dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_APRILTAG_36h11)
-            corners, ids, _ = cv2.aruco.ArucoDetector(dictionary, parameters).detectMarkers(picture)
-            columns = 2 * self.pattern["columns"]
-            # OpenCV begins at the lower right corner and goes round clockwise.
-            first = [2 * (tag // self.pattern["columns"]) * columns + 2 * (tag % self.pattern["columns"]) for tag in ids.ravel()]
-            numbers = np.array([[base + 1, base, base + columns, base + columns + 1] for base in first]).ravel()
+            numbers, corners = tags(picture, self.pattern["columns"])
             found = np.full_like(truth, np.nan)
-            found[numbers] = refined(picture, np.concatenate(corners).reshape(-1, 1, 2))
+            found[numbers] = refined(picture, corners)
             return found
         else:
             # findCirclesGrid hands these on as they are, but does not find the steepest grids.
@@ -182,12 +176,6 @@ class Views:
         nearest = np.linalg.norm(found[:, None] - truth[None], axis=2).argmin(axis=0)
         assert sorted(nearest) == list(range(len(truth)))
         return found[nearest]
-
-
-def refined(picture, corners):
-    until = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 100, 1e-4)
-    found = cv2.cornerSubPix(picture, corners.astype(np.float32).copy(), (WINDOW_PX, WINDOW_PX), (-1, -1), until)
-    return found.reshape(-1, 2).astype(float)
 
 
 def rms(errors):
@@ -214,7 +202,7 @@ def hold(kind, distance, seeds):
         rng = np.random.default_rng(view)
         noisy = lambda: np.clip(np.rint(picture + GREY_NOISE * rng.standard_normal(picture.shape)), 0, 255).astype(np.uint8)
         # In noise OpenCV misses tags; what is of interest is how their corners scatter.
-        again = lambda picture: views.found(picture, every)[here] if is_round else refined(picture, clean.reshape(-1, 1, 2))
+        again = lambda picture: views.found(picture, every)[here] if is_round else refined(picture, clean)
         seen = np.array([again(noisy()) for _ in range(seeds)])
         whitened = np.einsum("cij,scj->sci", views.whiteners(view)[here], seen - seen.mean(axis=0))
         sigmas.append(np.sqrt((whitened**2).sum() / (2 * (seeds - 1) * len(truth))))
@@ -259,7 +247,8 @@ if __name__ == "__main__":
     import cv2
     import numpy as np
 
-    map_error.cv2, map_error.np = cv2, np
+    for module in (map_error, board_detectors):
+        module.cv2, module.np = cv2, np
     cv2.setNumThreads(1)
     PROGRAM = os.environ.get("CALIPOSE", ROOT / "target/release/calipose")
     main()

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use crate::cli::interrupt::writing;
-use crate::cli::loaded_plan::LoadedPlan;
+use crate::cli::loaded_plan::LoadedPoses;
 use crate::cli::output::Screen;
 use crate::cli::output::failure::Failure;
 use crate::plan::document::{Document, PictureFile, PicturesDocument, PlannedPose, ProblemReference};
@@ -16,7 +16,7 @@ use crate::render::{Bodies, Pattern, Picture, PlacedBody, RenderSettings, render
 
 #[derive(Debug, Args)]
 pub(crate) struct RenderArguments {
-    /// plan.json of the plan, as `calipose plan` wrote it
+    /// plan.json of the plan, as `calipose plan` wrote it, or the polished.json of `calipose polish`
     plan: PathBuf,
     /// Problem file [default: the one that run.json beside the plan names]
     #[arg(long)]
@@ -44,15 +44,15 @@ pub(crate) struct RenderArguments {
 pub(crate) fn run(arguments: &RenderArguments, screen: &mut Screen) -> Result<(), Failure> {
     let settings = arguments.settings()?;
     let path = &arguments.plan;
-    let LoadedPlan { plan, problem, .. } = LoadedPlan::read(path, arguments.problem.as_deref())?;
+    let LoadedPoses { poses, problem } = LoadedPoses::read(path, arguments.problem.as_deref())?;
     let beside = path.parent().unwrap_or(Path::new("")).join("pictures");
     let folder = arguments.output.clone().unwrap_or(beside);
     probe(&folder)?;
     let pattern = Pattern::new(&Artwork::new(&problem.target.board)?);
-    let bar = screen.progress("rendering", plan.poses.len());
-    let mut files = Vec::with_capacity(plan.poses.len());
-    let mut listed = Vec::with_capacity(plan.poses.len());
-    for (number, pose) in plan.poses.iter().enumerate() {
+    let bar = screen.progress("rendering", poses.len());
+    let mut files = Vec::with_capacity(poses.len());
+    let mut listed = Vec::with_capacity(poses.len());
+    for (number, pose) in poses.iter().enumerate() {
         // Noise of its own for every picture.
         let settings = RenderSettings { seed: settings.seed.wrapping_add((number as u64) << 16), ..settings };
         let file = format!("pose-{:02}.png", number + 1);

@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use crate::figures::grouped;
 use crate::plan::choose::{Chooser, PlanError};
-use crate::plan::document::{Plan, PlannedPose, joints_deg};
+use crate::plan::document::{Plan, PlannedPose, PlannedPoses, joints_deg};
 use crate::plan::survey::Survey;
 use crate::problem::{Problem, RobustGoal, Robustness};
 
@@ -93,19 +93,7 @@ impl Plan {
     /// # Errors
     /// When it is not.
     pub fn fit(&self, problem: &Problem) -> Result<(), LocateError> {
-        let chain = &problem.robot.chain;
-        let joints: Vec<String> = chain.joints.iter().map(|joint| joint.name.clone()).collect();
-        if self.joints != joints {
-            return Err(LocateError::Joints { stated: self.joints.clone(), found: joints });
-        }
-        let names = problem.unknowns().names();
-        if self.intrinsics.names != names {
-            let found = names.into_iter().map(String::from).collect();
-            return Err(LocateError::Intrinsics { stated: self.intrinsics.names.clone(), found });
-        }
-        if self.intrinsics.nominal != problem.unknowns().values() {
-            return Err(LocateError::Camera);
-        }
+        PlannedPoses::from(self).fit(problem)?;
         let goal = &problem.selection.goal;
         if self.criterion != goal.to_string() {
             return Err(LocateError::Criterion { stated: self.criterion.clone(), found: goal.to_string() });
@@ -123,14 +111,7 @@ impl Plan {
                 proven.map(|(criterion, share)| format!("{share} {criterion}")).collect::<Vec<_>>().join(" + ");
             return Err(LocateError::Certificate { stated, found: goal.to_string() });
         }
-        let dof = chain.dof();
-        if self.poses.is_empty() || self.poses.iter().any(|pose| pose.joints_rad.len() != dof) {
-            return Err(LocateError::JointValues { dof });
-        }
-        match self.poses.iter().find(|pose| !pose.is_there(problem)) {
-            Some(pose) => Err(LocateError::Elsewhere { id: pose.id }),
-            None => Ok(()),
-        }
+        Ok(())
     }
 
     /// The chooser that made the plan, by what the problem asks for, and its poses as indices into the survey's views, in the
@@ -164,6 +145,36 @@ impl Plan {
             places.push(place);
         }
         Ok(places)
+    }
+}
+
+impl PlannedPoses {
+    /// Checks that the poses are of the problem's robot and camera: names, nominal values, and every pose where it says.
+    ///
+    /// # Errors
+    /// When they are not.
+    pub fn fit(&self, problem: &Problem) -> Result<(), LocateError> {
+        let chain = &problem.robot.chain;
+        let joints: Vec<String> = chain.joints.iter().map(|joint| joint.name.clone()).collect();
+        if self.joints != joints {
+            return Err(LocateError::Joints { stated: self.joints.clone(), found: joints });
+        }
+        let names = problem.unknowns().names();
+        if self.intrinsics.names != names {
+            let found = names.into_iter().map(String::from).collect();
+            return Err(LocateError::Intrinsics { stated: self.intrinsics.names.clone(), found });
+        }
+        if self.intrinsics.nominal != problem.unknowns().values() {
+            return Err(LocateError::Camera);
+        }
+        let dof = chain.dof();
+        if self.poses.is_empty() || self.poses.iter().any(|pose| pose.joints_rad.len() != dof) {
+            return Err(LocateError::JointValues { dof });
+        }
+        match self.poses.iter().find(|pose| !pose.is_there(problem)) {
+            Some(pose) => Err(LocateError::Elsewhere { id: pose.id }),
+            None => Ok(()),
+        }
     }
 }
 

@@ -30,9 +30,9 @@ pub use kind::Kind;
 pub(crate) use plan::poses_csv;
 pub use plan::{
     AccuracyDocument, CertificateDocument, CertificateTerm, CollisionDocument, FewestDocument, GridPlan, Intrinsics,
-    PROVEN, Plan, PlanReadError, PlannedPose, PolishedPlan, Pose, Price, RobustnessDocument, Run, RunProblem,
-    RunSeconds, ScenarioDocument, SearchDocument, SeenView, SurveyCounts, TrialDocument, UnweightedAccuracy, WorstLoss,
-    joints_deg,
+    PROVEN, Plan, PlanReadError, PlannedPose, PlannedPoses, PolishedPlan, Pose, Price, RobustnessDocument, Run,
+    RunProblem, RunSeconds, ScenarioDocument, SearchDocument, SeenView, SurveyCounts, TrialDocument,
+    UnweightedAccuracy, WorstLoss, joints_deg,
 };
 pub use problem::{
     BoardDescription, BoardDocument, CameraSights, CheckDocument, ClosePair, DiagnosisDocument, InitDocument,

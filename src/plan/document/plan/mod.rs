@@ -4,6 +4,7 @@ mod collision;
 mod polished;
 mod pose;
 mod proof;
+mod reading;
 mod robustness;
 mod run;
 mod survey_counts;
@@ -13,6 +14,7 @@ pub use polished::{GridPlan, PROVEN, PolishedPlan};
 pub use pose::{PlannedPose, Pose, joints_deg};
 pub(crate) use pose::{joint_columns, poses_csv};
 pub use proof::{AccuracyDocument, CertificateDocument, CertificateTerm, FewestDocument, Price, SearchDocument};
+pub use reading::{PlanReadError, PlannedPoses};
 pub use robustness::{RobustnessDocument, ScenarioDocument, SeenView, TrialDocument};
 pub use run::{Run, RunProblem, RunSeconds};
 pub use survey_counts::SurveyCounts;
@@ -20,7 +22,6 @@ pub(crate) use survey_counts::rejected_by_name;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 use crate::feasibility::View;
 use crate::plan::choose::{Chooser, Decision, PlanError};
@@ -93,35 +94,6 @@ pub(super) fn one() -> usize {
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
 pub(super) fn is_one(count: &usize) -> bool {
     *count == 1
-}
-
-/// Why a text is not a plan.
-#[derive(Debug, Error)]
-pub enum PlanReadError {
-    /// It is not JSON, or a key is missing or of the wrong type.
-    #[error("not a plan: {0}")]
-    Json(serde_json::Error),
-    /// It is another kind of document.
-    #[error("the key `format` is \"{found}\"; in a plan it is \"{}\"", Plan::FORMAT)]
-    Format {
-        /// What it says.
-        found: String,
-    },
-    /// It is of an older version.
-    #[error(
-        "the plan has version {found}, made by an older calipose; this one reads version {}: make a new plan",
-        Plan::VERSION
-    )]
-    Older {
-        /// What it says.
-        found: u64,
-    },
-    /// It is of no version that is known.
-    #[error("the plan has version {found}; this calipose reads version {}", Plan::VERSION)]
-    Version {
-        /// What it says.
-        found: String,
-    },
 }
 
 /// The estimated intrinsics; lists of one length.
@@ -226,27 +198,6 @@ impl Plan {
             joints: problem.robot.chain.joints.iter().map(|joint| joint.name.clone()).collect(),
             poses: poses.map(|(&i, share)| PlannedPose::new(problem, &survey.views[i], share)).collect(),
         })
-    }
-
-    /// The plan that `text`, the content of a `plan.json`, holds.
-    ///
-    /// # Errors
-    /// When it is not JSON, not a plan, or of a version that this program does not know.
-    pub fn from_json(text: &str) -> Result<Self, PlanReadError> {
-        let value: serde_json::Value = serde_json::from_str(text).map_err(PlanReadError::Json)?;
-        let format = value["format"].as_str().unwrap_or_default();
-        if format != Self::FORMAT {
-            return Err(PlanReadError::Format { found: format.to_owned() });
-        }
-        match &value["version"] {
-            version if *version == Self::VERSION => {}
-            version => {
-                let older = version.as_u64().filter(|&found| found < Self::VERSION.into());
-                let unknown = PlanReadError::Version { found: version.to_string() };
-                return Err(older.map_or(unknown, |found| PlanReadError::Older { found }));
-            }
-        }
-        serde_json::from_value(value).map_err(PlanReadError::Json)
     }
 
     /// The bytes of `plan.csv`: one pose a line under a header, the values of all of `joints` in rad (m) under
