@@ -81,6 +81,46 @@ pub struct Outlier {
     pub standardised: f64,
 }
 
+/// How well a camera fits.
+pub(super) struct Fit {
+    residuals: Vec<Vec<Vector2<f64>>>,
+    /// Of the whitened residuals, one after another.
+    squares: Vec<f64>,
+    /// The deviation below by the median residual.
+    robust_sigma: f64,
+    /// As [`Calibration::sigma`].
+    pub(super) sigma: f64,
+}
+
+impl Fit {
+    pub(super) fn new(
+        observations: &Observations,
+        measurements: &Measurements,
+        found: &Start,
+        estimated: &[usize],
+        settings: &CalibrationSettings,
+    ) -> Self {
+        let residuals = residuals(observations, &found.camera, &found.poses, &found.surface);
+        let whitened = residuals.iter().flatten().zip(&measurements.all);
+        let squares: Vec<f64> = whitened.map(|(&r, corner)| square(corner.whitening.whitened(r.into()))).collect();
+        // A board's heights are as many unknowns as measurements of theirs.
+        let unknown = (settings.ties.free(estimated).len() + 6 * found.poses.len()) as f64;
+        let measured = 2.0 * squares.len() as f64;
+        // Without excess measurements there are no residuals to speak of.
+        let excess = (measured - unknown).max(1.0);
+        let robust_sigma = median(&squares).map_or(0.0, |median| {
+            // |r|²/σ² of two coordinates has the median 2 ln 2; the fit takes its share of the noise.
+            (median / (2.0 * std::f64::consts::LN_2) * measured / excess).sqrt()
+        });
+        let total: f64 = squares.iter().sum();
+        let sigma = match settings.refinement.loss {
+            Loss::Squared => (total / excess).sqrt(),
+            Loss::Huber { .. } | Loss::Cauchy { .. } => robust_sigma,
+        };
+        Self { residuals, squares, robust_sigma, sigma }
+    }
+}
+
 pub(super) fn summarise(
     observations: &Observations,
     measurements: &Measurements,
@@ -93,24 +133,10 @@ pub(super) fn summarise(
     let start = Start { camera: camera.clone(), ..start };
     check_fold(observations, &start)?;
     let information = information.ok_or(CalibrationError::UnobservablePose)?;
-    let residuals = residuals(observations, &camera, &start.poses, &start.surface);
+    let Fit { residuals, squares, robust_sigma, sigma } =
+        Fit::new(observations, measurements, &start, estimated, settings);
     let lengths: Vec<f64> = residuals.iter().flatten().map(Vector2::norm_squared).collect();
-    let whitened = residuals.iter().flatten().zip(&measurements.all);
-    let squares: Vec<f64> = whitened.map(|(&r, corner)| square(corner.whitening.whitened(r.into()))).collect();
     let free = settings.ties.free(estimated);
-    let unknown = (free.len() + 6 * start.poses.len()) as f64;
-    let measured = 2.0 * squares.len() as f64;
-    // Without excess measurements there are no residuals to speak of.
-    let excess = (measured - unknown).max(1.0);
-    let robust_sigma = median(&squares).map_or(0.0, |median| {
-        // |r|²/σ² of two coordinates has the median 2 ln 2; the fit takes its share of the noise.
-        (median / (2.0 * std::f64::consts::LN_2) * measured / excess).sqrt()
-    });
-    let total: f64 = squares.iter().sum();
-    let sigma = match settings.refinement.loss {
-        Loss::Squared => (total / excess).sqrt(),
-        Loss::Huber { .. } | Loss::Cauchy { .. } => robust_sigma,
-    };
     let heights = if start.surface.warp().is_some() { &HEIGHTS[..] } else { &[] };
     let block = |rows: &[usize], columns: &[usize]| {
         let entry = |i: usize, j: usize| information[rows[i].min(columns[j])][rows[i].max(columns[j])];

@@ -45,12 +45,16 @@ use thiserror::Error;
 use crate::camera::{Camera, CameraError, MAX_INTRINSICS};
 use crate::information::NoiseModel;
 use crate::target::{Surface, Warp};
+use estimate::Fit;
 use normal_equations::Measurements;
 use refinement::{Refined, Sought};
 
 /// How often the corners are weighed anew by what was found. Weights that are off by a percent cost a ten-thousandth of the
 /// accuracy, and the first ones are off by no more.
 const REWEIGHTINGS: usize = 2;
+
+/// No corners scatter less, px: what is expected of a board's heights counts in data without noise, too.
+const LEAST_SIGMA: f64 = 1e-6;
 
 /// How to calibrate.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,7 +66,7 @@ pub struct CalibrationSettings {
     /// How the corners' scatter depends on how they are seen, by which they are weighed. Default: not at all.
     pub noise: NoiseModel,
     /// How the board may bulge, whose heights are estimated then. Default: not at all.
-    pub warp: Option<ExpectedWarp>,
+    pub warp: Option<Warp>,
     /// A corner is an outlier where its residual is longer than this many standard deviations of one coordinate.
     /// Default: 5, which Gaussian noise exceeds once in 270 000 corners.
     pub outlier_threshold: f64,
@@ -80,13 +84,14 @@ impl Default for CalibrationSettings {
     }
 }
 
-/// How a board may bulge, as against how far its corners scatter.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ExpectedWarp {
-    /// How far it may.
-    pub warp: Warp,
-    /// Standard deviation expected of a pixel coordinate of a corner, px; it decides how much the expectation weighs beside what is seen.
-    pub sigma: f64,
+impl CalibrationSettings {
+    /// A start whose board may bulge, if it is said that it may.
+    fn bent(&self, mut start: Start) -> Start {
+        if let (Some(warp), None) = (self.warp, start.surface.warp()) {
+            start.surface = Surface::new(warp, [0.0; Warp::HEIGHTS]);
+        }
+        start
+    }
 }
 
 /// Why observations do not give a camera. Views count from 0.
@@ -258,7 +263,7 @@ pub fn calibrate(
     settings: &CalibrationSettings,
 ) -> Result<Calibration, CalibrationError> {
     order::check(observations)?;
-    let mut start = start(observations, nominal, estimated)?;
+    let mut start = settings.bent(start(observations, nominal, estimated)?);
     level(&mut start.camera, &settings.ties);
     let again = is_rational(nominal, estimated).then(|| start.clone());
     match (refine(observations, start, estimated, settings), again) {
@@ -292,8 +297,7 @@ fn one_to_one(
     let denominator = start.camera.lens().denominator();
     let plain: Vec<usize> = estimated.iter().copied().filter(|j| !denominator.contains(j)).collect();
     let sought = Sought { estimated: &plain, ties: &settings.ties, one_to_one: false };
-    let mut plain =
-        refinement::refine(&Measurements::new(observations, settings.warp), start, sought, &settings.refinement).start;
+    let mut plain = refinement::refine(&Measurements::new(observations), start, sought, &settings.refinement).start;
     plain.camera = plain.camera.with_intrinsics(plain.camera.intrinsics()).ok()?;
     estimate::check_fold(observations, &plain).ok()?;
     let sought = Sought { estimated, ties: &settings.ties, one_to_one: true };
@@ -324,26 +328,26 @@ pub fn refine(
         return Err(CalibrationError::PoseCount { poses, views });
     }
     let sought = Sought { estimated, ties: &settings.ties, one_to_one: false };
-    let (refined, measurements) = weighed(observations, start, sought, settings);
+    let (refined, measurements) = weighed(observations, settings.bent(start), sought, settings);
     estimate::summarise(observations, &measurements, refined, estimated, settings)
 }
 
-/// Refines, and where the corners' scatter depends on how they are seen, again by what was found of that; with the measurements
-/// as they were weighed last.
+/// Refines, and where the corners' scatter depends on how they are seen, again by what was found of that, as where it must be weighed
+/// against what is expected of a board's heights; with the measurements as they were weighed last.
 fn weighed(
     observations: &Observations,
-    mut start: Start,
+    start: Start,
     sought: Sought<'_>,
     settings: &CalibrationSettings,
 ) -> (Refined, Measurements) {
-    if let (Some(expected), None) = (&settings.warp, start.surface.warp()) {
-        start.surface = Surface::new(expected.warp, [0.0; Warp::HEIGHTS]);
-    }
-    let mut measurements = Measurements::new(observations, settings.warp);
+    let bulges = start.surface.warp().is_some();
+    let mut measurements = Measurements::new(observations);
     let mut refined = refinement::refine(&measurements, start, sought, &settings.refinement);
-    let rounds = if settings.noise == NoiseModel::Constant { 0 } else { REWEIGHTINGS };
+    let rounds = if settings.noise == NoiseModel::Constant && !bulges { 0 } else { REWEIGHTINGS };
     for _ in 0..rounds {
-        measurements = Measurements::weighed(observations, settings, &refined.start);
+        let sigma = Fit::new(observations, &measurements, &refined.start, sought.estimated, settings).sigma;
+        measurements = Measurements::weighed(observations, settings.noise, &refined.start);
+        measurements.sigma = sigma.max(LEAST_SIGMA);
         let before = refined.convergence.iterations;
         refined = refinement::refine(&measurements, refined.start, sought, &settings.refinement);
         refined.convergence.iterations += before;

@@ -21,9 +21,8 @@ use super::loss::Loss;
 use super::observations::Observations;
 use super::start::Start;
 use super::ties::Ties;
-use super::{CalibrationSettings, ExpectedWarp};
 use crate::camera::MAX_INTRINSICS;
-use crate::information::Whitening;
+use crate::information::{NoiseModel, Whitening};
 use crate::spatial::Tangent;
 use crate::target::Warp;
 
@@ -43,9 +42,13 @@ pub(super) struct Measurement {
 pub(super) struct Measurements {
     pub(super) all: Vec<Measurement>,
     pub(super) ends: Vec<usize>,
-    /// How the board may bulge.
-    warp: Option<ExpectedWarp>,
+    /// Standard deviation of a pixel coordinate of a corner of weight 1, px, against which the deviations of a board's heights are
+    /// weighed.
+    pub(super) sigma: f64,
 }
+
+/// The same before anything is known of it.
+const FIRST_SIGMA: f64 = 1.0;
 
 /// Where the board's heights are among what all views have in common: behind all intrinsics.
 pub(super) const HEIGHTS: [usize; Warp::HEIGHTS] = [MAX_INTRINSICS, MAX_INTRINSICS + 1];
@@ -55,7 +58,7 @@ pub(super) const MOST_SHARED: usize = MAX_INTRINSICS + Warp::HEIGHTS;
 
 impl Measurements {
     /// The corners of all views, each by its weight alone.
-    pub(super) fn new(observations: &Observations, warp: Option<ExpectedWarp>) -> Self {
+    pub(super) fn new(observations: &Observations) -> Self {
         let mut all = Vec::with_capacity(observations.corner_count());
         let mut ends = Vec::with_capacity(observations.views().len());
         for view in observations.views() {
@@ -66,13 +69,14 @@ impl Measurements {
             }));
             ends.push(all.len());
         }
-        Self { all, ends, warp }
+        Self { all, ends, sigma: FIRST_SIGMA }
     }
 
-    /// The same, each corner by its scatter as the settings' noise has it where a camera sees it, and by its weight.
-    pub(super) fn weighed(observations: &Observations, settings: &CalibrationSettings, seen: &Start) -> Self {
+    /// The same, each corner by its scatter as `model` has it where a camera sees it, and by its weight.
+    pub(super) fn weighed(observations: &Observations, model: NoiseModel, seen: &Start) -> Self {
         let Start { camera, poses, surface } = seen;
-        let mut measurements = Self::new(observations, settings.warp);
+        let model = model.through(camera);
+        let mut measurements = Self::new(observations);
         let corners =
             observations.views().iter().zip(poses).flat_map(|(view, pose)| view.iter().map(move |c| (c, pose)));
         for (measurement, (corner, X_CT)) in measurements.all.iter_mut().zip(corners) {
@@ -81,7 +85,7 @@ impl Measurements {
             // What has no image is told of elsewhere.
             let Some(projection) = camera.project_with_derivatives(&p_C) else { continue };
             let feature = observations.board().feature(corner.index);
-            let whitening = settings.noise.whitening_in_view(&feature, &projection.by_point, &R, camera.vergence(&p_C));
+            let whitening = model.whitening_in_view(&feature, &projection.by_point, &R, camera.vergence(&p_C));
             measurement.whitening = whitening.weighted(corner.weight);
         }
         measurements
@@ -196,7 +200,8 @@ impl<const P: usize> NormalEquations<P> {
                 accumulate((&mut self.U, &mut self.g), blocks, &a, &b, r.map(|r| root * r));
             }
         }
-        if let Some(ExpectedWarp { sigma, .. }) = measurements.warp {
+        if surface.warp().is_some() {
+            let sigma = measurements.sigma;
             for (j, height) in HEIGHTS.into_iter().zip(surface.heights()) {
                 cost += (sigma * height).powi(2);
                 self.U[j][j] += sigma * sigma;

@@ -6,7 +6,6 @@ use super::start::Start;
 use super::ties::Ties;
 use crate::camera::{Camera, MAX_INTRINSICS};
 use crate::spatial::perturb;
-use crate::target::Surface;
 
 /// How to refine.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -140,9 +139,8 @@ fn refine_sized<const P: usize>(
         convergence.iterations += 1;
         if solved {
             trial.camera = moved(&at.camera, &step, one_to_one);
-            if let Some(&warp) = at.surface.warp() {
-                let heights = at.surface.heights();
-                trial.surface = Surface::new(warp, std::array::from_fn(|i| heights[i] + step.δθ[HEIGHTS[i]]));
+            if at.surface.warp().is_some() {
+                trial.surface = at.surface.moved(&HEIGHTS.map(|j| step.δθ[j]));
             }
             for ((trial, pose), ξ) in trial.poses.iter_mut().zip(&at.poses).zip(&step.ξ) {
                 *trial = perturb(pose, ξ);

@@ -50,7 +50,7 @@ impl StageKeys {
         let sweep = Fingerprint::of(&(robot, target, space, axis));
         let robust = robust.as_ref().map(|robust| (robust, problem.selection.seed));
         let feasible = Fingerprint::of(&(sweep, camera, visibility, clearance, stability, robust));
-        let survey = Fingerprint::of(&(feasible, problem.noise, &problem.estimated));
+        let survey = Fingerprint::of(&(feasible, problem.noise, &problem.estimated, problem.selection.pictures));
         Self { sweep, feasible, survey }
     }
 }

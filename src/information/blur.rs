@@ -15,10 +15,12 @@
 //!     s₀/s · exp(−a (u − u₀) − b (u² − u₀²))
 //! ```
 
+use crate::camera::Camera;
+
 /// Defocus and motion, which widen the edges in a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Blur {
-    /// The camera's nominal focal length f in px.
+    /// The camera's focal length f in px.
     pub focal_length: f64,
     /// Diameter D of the aperture in m.
     pub aperture: f64,
@@ -39,6 +41,12 @@ const CORNER: [f64; 2] = [3.0, 8.0];
 impl Blur {
     /// Of a camera in focus and at rest.
     pub const NONE: Self = Self { focal_length: 1.0, aperture: 0.0, focus: 0.0, turning: 0.0, moving: 0.0 };
+
+    /// The same lens and motion through a camera.
+    #[must_use]
+    pub fn through(self, camera: &Camera) -> Self {
+        Self { focal_length: (camera.intrinsics()[0] * camera.intrinsics()[1]).sqrt(), ..self }
+    }
 
     /// Of the same camera at rest.
     #[must_use]

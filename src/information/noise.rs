@@ -17,6 +17,7 @@ use std::f64::consts::TAU;
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, SMatrix, Vector2};
 
 use super::blur::Blur;
+use crate::camera::Camera;
 use crate::target::Feature;
 
 /// How far detected points scatter.
@@ -143,6 +144,15 @@ impl NoiseModel {
                 let magnification = by_place.singular_values().max();
                 edges(*window, blur, feature, by_place, magnification / blur.focal_length)
             }
+        }
+    }
+
+    /// The same where the pictures are of another camera.
+    #[must_use]
+    pub fn through(self, camera: &Camera) -> Self {
+        match self {
+            Self::Constant => self,
+            Self::Edges { window, blur } => Self::Edges { window, blur: blur.through(camera) },
         }
     }
 

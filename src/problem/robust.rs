@@ -135,6 +135,7 @@ impl Problem {
         }
         // A camera that cannot be, at deviations of the size of the values, is left as it is.
         if let Ok(camera) = self.camera.with_intrinsics(&θ) {
+            drawn.noise.model = drawn.noise.model.through(&camera);
             drawn.camera = camera;
         }
         drawn.robot.X_FC *= mount;

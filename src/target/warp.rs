@@ -57,6 +57,15 @@ impl Surface {
         self.warp.as_ref()
     }
 
+    /// The same with its heights moved, in deviations; those of a board that is flat are none.
+    #[must_use]
+    pub fn moved(mut self, by: &[f64]) -> Self {
+        for (height, by) in self.heights.iter_mut().zip(by) {
+            *height += by;
+        }
+        self
+    }
+
     /// Its heights, in deviations.
     pub fn heights(&self) -> [f64; Warp::HEIGHTS] {
         self.heights

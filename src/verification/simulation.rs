@@ -71,7 +71,7 @@ impl Scene {
         let by_point = self.camera.project_with_derivatives(&p_C)?.by_point;
         let R = X_CT.rotation.to_rotation_matrix();
         let vergence = self.camera.vergence(&p_C);
-        Some(self.noise.whitening_in_view(&board.feature(index), &by_point, R.matrix(), vergence))
+        Some(self.noise.through(&self.camera).whitening_in_view(&board.feature(index), &by_point, R.matrix(), vergence))
     }
 }
 

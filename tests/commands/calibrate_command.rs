@@ -435,6 +435,14 @@ fn the_lens_that_fits_is_named_where_the_one_asked_for_does_not() {
     };
     let (code, text) = real("10-4", "");
     assert!(code == Some(1) && text.contains("use `--lens brown-conrady`") && text.contains("`--fix k3,k6`"), "{text}");
+    // Of a board that may bulge the lens is sought again in the same way.
+    for warp in ["--warp-mm 0.001", "--warp-mm 0.01"] {
+        let (code, text) = real("10-4", warp);
+        assert!(code == Some(1) && text.contains("`--fix k3,k6`"), "{code:?} {text}");
+    }
+    // Said to bulge by more, it fits a lens that does not fold.
+    let (code, text) = real("10-4", "--warp-mm 0.1");
+    assert!(code == Some(0) && text.contains("Board's middle above its rim"), "{code:?} {text}");
     // The advice can be followed.
     let (code, text) = real("10-4", "--fix k3,k6");
     assert_eq!(code, Some(0), "{text}");

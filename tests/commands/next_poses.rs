@@ -19,15 +19,19 @@ fn calipose(folder: &Path, line: &str) -> Output {
     command(folder, line).output().unwrap()
 }
 
-/// A folder with a coarse Servosila problem, a plan of it, and detections of the plan's first `views` poses.
 fn desk(views: usize) -> tempfile::TempDir {
+    desk_of(views, "")
+}
+
+/// A folder with a coarse Servosila problem, a plan of it with the values that are `set`, and detections of the plan's first `views` poses.
+fn desk_of(views: usize, set: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let text = std::fs::read_to_string("problems/servosila-engineer.toml").unwrap();
     let text = text
         .replace("step_deg = 8\naxis", "step_deg = 10\naxis")
         .replace("sigma_px = 0.3", "sigma_px = 0.3\nmodel = \"constant\"");
     std::fs::write(folder.path().join("problem.toml"), &text).unwrap();
-    let plan = json_of(folder.path(), "plan problem.toml -k 12 --criterion d --trials 0 -o out --json");
+    let plan = json_of(folder.path(), &format!("plan problem.toml -k 12 --criterion d --trials 0 -o out --json {set}"));
     let problem = Problem::parse(&text, Path::new("problem.toml")).unwrap();
     let poses: Vec<_> = plan["poses"].as_array().unwrap()[..views]
         .iter()
@@ -85,6 +89,35 @@ fn the_next_poses_bring_the_map_error_down_to_the_request() {
     assert_eq!(enough["fulfilled"], true);
     let told = calipose(desk.path(), &format!("next out/plan.json seen.json --map-error-px {}", 2.0 * known(&one)));
     assert!(String::from_utf8_lossy(&told.stdout).contains("no more poses are needed"));
+}
+
+/// Of a board that may bulge its heights are estimated beside the camera, and poses are as many times pictured as the plan says.
+#[test]
+fn heights_and_pictures_count_in_the_next_poses() {
+    let known = |document: &Value| document["known_map_error_px"].as_f64().unwrap();
+    let expected = |document: &Value| document["expected_map_error_px"].as_f64().unwrap();
+    let flat = desk(10);
+    let bent = desk_of(10, "--set target.warp_mm=0.5 --set selection.pictures=4");
+    let line = "next out/plan.json seen.json -k 2 --json";
+    let (of_flat, of_bent) = (json_of(flat.path(), line), json_of(bent.path(), line));
+    let options = "--problem problem.toml --warp-mm 0.5 --noise-model constant -o camera --json";
+    let calibrated = calipose(bent.path(), &format!("calibrate seen.json {options}"));
+    let calibrated: Value = serde_json::from_slice(&calibrated.stdout).unwrap();
+    let by_calibration = calibrated["map_error_px"]["rms"].as_f64().unwrap();
+    assert!((known(&of_bent) / by_calibration - 1.0).abs() < 1e-9);
+    assert!(expected(&of_bent) < known(&of_bent));
+    // The simulated calibrations know of the heights too.
+    let simulated = of_bent["simulated_map_error_px"]["median"].as_f64().unwrap();
+    assert!((0.4..1.4).contains(&(simulated / expected(&of_bent))), "{simulated} {}", expected(&of_bent));
+    let heights = &calibrated["warp_mm"];
+    for axis in ["x", "y"] {
+        let of = |key: String| heights[key].as_f64().unwrap();
+        assert!(of(axis.into()).abs() < 4.0 * of(format!("{axis}_sigma")), "a flat board: {heights}");
+    }
+    assert_eq!((&of_bent["pictures"], &of_flat["pictures"]), (&json!(4), &Value::Null));
+    let told = calipose(bent.path(), "next out/plan.json seen.json -k 2");
+    let told = String::from_utf8_lossy(&told.stdout).into_owned();
+    assert!(told.contains("2 more poses, with 4 pictures each, bring it to"), "{told}");
 }
 
 #[test]

@@ -103,6 +103,23 @@ fn a_row_is_what_a_plan_with_the_same_settings_comes_to() {
     }
 }
 
+/// What one cell found of the views may serve another only if both take as many pictures.
+#[test]
+fn cells_of_several_pictures_are_their_own() {
+    let desk = desk();
+    let several = STUDY.replace("noise.sigma_px", "selection.pictures").replace("[0.3, 0.6]", "[1, 4]");
+    write(&desk, "several.toml", &several);
+    desk.stdout("study run several.toml -o out --quiet");
+    let rows = rows(&desk.path("out/results.csv"));
+    let map_errors = |pictures: &str| -> Vec<f64> {
+        let of_those = rows.iter().filter(|row| row["selection.pictures"] == pictures && row["method"] == "greedy");
+        of_those.map(|row| row["map_error_px"].parse().unwrap()).collect()
+    };
+    let (one, four) = (map_errors("1"), map_errors("4"));
+    assert_eq!((one.len(), four.len()), (4, 4));
+    assert!(one.iter().zip(&four).all(|(one, four)| (four / one - 0.5).abs() < 1e-9), "{one:?} {four:?}");
+}
+
 #[test]
 fn what_was_ended_or_damaged_goes_on_to_the_same_bytes() {
     let desk = desk();

@@ -58,16 +58,13 @@ class Camera:
         self.K = np.array([[self.fx, 0, self.cx], [0, self.fy, self.cy], [0, 0, 1.0]])
         self.D = np.array(self.coefficients, dtype=float)
         self.names = ["fx", "fy", "cx", "cy", *COEFFICIENTS[self.model]]
-        self.nominal_focal_length = np.sqrt(self.fx * self.fy)
 
     def at(self, intrinsics):
         """The same camera with other intrinsics, all of them."""
         names = dict(zip(self.names, intrinsics))
         size = {"width_px": self.size[0], "height_px": self.size[1]}
         distortion = {"model": self.model, **{name: names[name] for name in COEFFICIENTS[self.model]}}
-        drawn = Camera({**size, **{f"{name}_px": names[name] for name in self.names[:4]}, "distortion": distortion})
-        drawn.nominal_focal_length = self.nominal_focal_length
-        return drawn
+        return Camera({**size, **{f"{name}_px": names[name] for name in self.names[:4]}, "distortion": distortion})
 
     def jacobians(self, points, rvec, tvec):
         """By the intrinsics (2m x p) and by rvec and tvec (2m x 6)."""
@@ -142,7 +139,7 @@ def blurred_width(camera, board, rvec, tvec, noise):
     """How wide an edge is at each corner, px, by its depth and the lens and speeds that the problem file states."""
     p = board @ cv2.Rodrigues(rvec)[0].T + np.ravel(tvec)
     depth = np.linalg.norm(p, axis=1) if camera.model == FISHEYE else p[:, 2]
-    f, square = camera.nominal_focal_length, np.full(len(board), SHARP_PX**2)
+    f, square = np.sqrt(camera.fx * camera.fy), np.full(len(board), SHARP_PX**2)
     if "focus_mm" in noise:
         # The circle of confusion of a thin lens.
         focus, aperture = noise["focus_mm"] / 1e3, noise["aperture_mm"] / 1e3

@@ -119,6 +119,22 @@ fn a_changed_loss_of_an_indispensable_pose_is_noticed() {
     assert!(certify(&changed, &problem, &survey).is_err());
 }
 
+/// Where nine in ten draws must show the board, a polished pose may be no view in few of the scenarios.
+#[test]
+#[ignore = "slow: in the full set, `cargo test -- --ignored`"]
+fn polished_poses_of_an_assembled_robot_are_views_in_most_scenarios() {
+    let problem = problem(&[ASSEMBLED, "selection.count=7"]);
+    let survey = survey(&problem, &|_| {}).unwrap();
+    let plan = plan(&problem, &survey);
+    let (chooser, selected) = plan.locate(&problem, &survey).unwrap();
+    let settings = PolishSettings { cycles: 2, ..PolishSettings::default() };
+    let polished = polish(&problem, &chooser, &selected, &settings, &mut |_| {}).unwrap();
+    assert!(polished.log_value > polished.grid_log_value);
+    let document = polished.document(&problem, &chooser, &plan);
+    let scenarios = &document.robust.as_ref().unwrap().scenarios;
+    assert!(scenarios.iter().flat_map(|scenario| &scenario.views).filter(|view| view.is_none()).count() <= 2);
+}
+
 /// A polished plan is a view in the scenarios and never worse; `explain` tells the price.
 #[test]
 #[ignore = "slow: in the full set, `cargo test -- --ignored`"]

@@ -2,6 +2,7 @@
 
 use crate::calibration::{CalibrationSettings, Observations, RefinementSettings, calibrate};
 use crate::camera::{Camera, CameraError, Lens};
+use crate::target::Warp;
 
 /// Iterations after which another lens is given up.
 const ITERATIONS: usize = 60;
@@ -20,15 +21,15 @@ pub struct OtherLens {
     pub sigma: f64,
 }
 
-/// The lens with distortion, other than `lens`, that fits best; of those that fit alike the one with fewer coefficients.
-pub fn other_lens(observations: &Observations, lens: Lens) -> Option<OtherLens> {
+/// The lens with distortion, other than `lens`, that fits best a board that may bulge so; of those that fit alike the one with fewer coefficients.
+pub fn other_lens(observations: &Observations, lens: Lens, warp: Option<Warp>) -> Option<OtherLens> {
     let others: &[Lens] = match lens {
         Lens::Pinhole | Lens::Rational => &[Lens::BrownConrady, Lens::KannalaBrandt],
         Lens::BrownConrady => &[Lens::KannalaBrandt, Lens::Rational],
         Lens::KannalaBrandt => &[Lens::BrownConrady],
     };
     let refinement = RefinementSettings { max_iterations: ITERATIONS, ..RefinementSettings::default() };
-    let settings = CalibrationSettings { refinement, ..CalibrationSettings::default() };
+    let settings = CalibrationSettings { refinement, warp, ..CalibrationSettings::default() };
     let fitted = others.iter().filter_map(|&lens| {
         let nominal = unknown_camera(lens, observations).ok()?;
         let all: Vec<usize> = (0..nominal.intrinsics().len()).collect();

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use crate::calibration::{CalibrationSettings, ExpectedWarp, calibrate};
+use crate::calibration::{CalibrationSettings, calibrate};
 use crate::cli::interrupt::writing;
 use crate::cli::known::{known_by, read_detections};
 use crate::cli::loaded_plan::LoadedPlan;
@@ -73,8 +73,8 @@ pub(crate) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<Verd
     probe(folder)?;
     let path = &arguments.observations;
     let detections = read_detections(path, &known_by(&problem, arguments.images.clone()))?;
-    let warp = problem.target.warp.map(|warp| ExpectedWarp { warp, sigma: problem.noise.sigma });
-    let settings = CalibrationSettings { noise: problem.noise.model, warp, ..CalibrationSettings::default() };
+    let settings =
+        CalibrationSettings { noise: problem.noise.model, warp: problem.target.warp, ..CalibrationSettings::default() };
     let calibration =
         calibrate(&detections.observations, &problem.camera, &problem.estimated, &settings).map_err(|error| {
             Failure::Calibration {
@@ -109,10 +109,16 @@ pub(crate) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<Verd
         screen.text(&format!("{known} This is enough; no more poses are needed."))?;
         return Ok(Verdict::Good);
     }
+    let one = proposal.poses.len() == 1;
+    let bring = match (document.pictures, one) {
+        (1, true) => "pose brings".to_owned(),
+        (1, false) => "poses bring".to_owned(),
+        (pictures, true) => format!("pose, with {pictures} pictures, brings"),
+        (pictures, false) => format!("poses, with {pictures} pictures each, bring"),
+    };
     let mut text = format!(
-        "{known}\n{} more {} it to {} px:\n\n{}",
+        "{known}\n{} more {bring} it to {} px:\n\n{}",
         proposal.poses.len(),
-        if proposal.poses.len() == 1 { "pose brings" } else { "poses bring" },
         short(proposal.expected),
         pose_table(&problem, &proposal.poses),
     );

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 use thiserror::Error;
 
-use crate::calibration::{CalibrationSettings, ExpectedWarp};
+use crate::calibration::CalibrationSettings;
 use crate::information::{NoiseModel, Unweighted};
 use crate::problem::Problem;
 use crate::selection::packed::unpack;
@@ -80,7 +80,7 @@ pub fn verify(
     let planned: Vec<_> = configurations.iter().zip(&seen).flat_map(repeated).collect();
     let scene = |trial| disturbance.scene(&nominal, &planned, seed, trial);
     let warp = match weighing {
-        Weighing::Weighted => target.warp.map(|warp| ExpectedWarp { warp, sigma: noise.sigma }),
+        Weighing::Weighted => target.warp,
         Weighing::Unweighted => None,
     };
     let settings = CalibrationSettings { noise: model, warp, ..CalibrationSettings::default() };

@@ -49,10 +49,7 @@ impl Check<'_, '_> {
     }
 
     fn blur(&mut self, noise: &At<schema::Noise>, camera: Option<&Camera>) -> Blur {
-        let mut blur = Blur::NONE;
-        if let Some(camera) = camera {
-            blur.focal_length = (camera.intrinsics()[0] * camera.intrinsics()[1]).sqrt();
-        }
+        let mut blur = camera.map_or(Blur::NONE, |camera| Blur::NONE.through(camera));
         let (focus, aperture) = (key!(noise, focus_mm), key!(noise, aperture_mm));
         if focus.is_given() || aperture.is_given() {
             if let Some(focus) = self.required(focus, &[]) {

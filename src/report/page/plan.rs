@@ -67,7 +67,7 @@ fn head<'a>(documents: &PlanDocuments<'a>) -> Head<'a> {
                     dd { (short(measured)) " px in simulated calibrations" }
                 }
                 @if let Some(unweighted) = &plan.unweighted {
-                    dd { (short(unweighted.map_error_px)) " px if calibrated without weights and for a flat board, as by OpenCV" }
+                    dd { (short(unweighted.map_error_px)) " px by plain least squares, as OpenCV's" }
                 }
                 @if let Some(trial) = plan.robust.as_ref().map(|robust| &robust.trial) && let Some(most) = trial.map_error_of_99_percent_px {
                     dd { (short(most)) " px or less in 99 % of " (grouped(trial.set_ups)) " other set-ups" }

@@ -94,7 +94,13 @@ impl InformationFunction {
     /// The same of the parameters but the first `nuisance`, which are estimated beside them.
     #[must_use]
     pub fn beside(self, nuisance: usize) -> Self {
-        if nuisance == 0 { self } else { InformationFunction::Eliminated { nuisance, of: Box::new(self) } }
+        match self {
+            function if nuisance == 0 => function,
+            InformationFunction::Eliminated { nuisance: others, of } => {
+                InformationFunction::Eliminated { nuisance: nuisance + others, of }
+            }
+            function => InformationFunction::Eliminated { nuisance, of: Box::new(function) },
+        }
     }
 
     /// The factors of its weights; none where it has no weights.

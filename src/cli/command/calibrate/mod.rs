@@ -12,7 +12,7 @@ use parameters::ParameterArguments;
 use summary::text;
 
 use crate::calibration::{
-    Assessment, CalibrationSettings, ExpectedWarp, LossKind, Request, calibrate_by, other_lens, unknown_camera,
+    Assessment, CalibrationSettings, LossKind, Request, calibrate_by, other_lens, unknown_camera,
 };
 use crate::camera::{Camera, Lens};
 use crate::cli::by_name;
@@ -122,7 +122,7 @@ pub(crate) fn run(arguments: &CalibrateArguments, screen: &mut Screen) -> Result
     let settings =
         CalibrationSettings { ties: model.ties, noise: setting.noise, warp, ..CalibrationSettings::default() };
     let calibrated = calibrate_by(loss, observations, &model.nominal, &model.estimated, &settings);
-    let other = other_lens(observations, nominal.lens());
+    let other = other_lens(observations, nominal.lens(), warp);
     bar.finish_and_clear();
     let calibration = calibrated.map_err(|error| Failure::Calibration {
         error: Box::new(error),
@@ -208,15 +208,10 @@ fn noise(arguments: &CalibrateArguments, problem: Option<&Problem>) -> Result<No
     }
 }
 
-/// Standard deviation of a coordinate, px, that the board's warp is held against where nothing says how far corners scatter: with a
-/// few views it hardly matters.
-const USUAL_SIGMA: f64 = 0.2;
-
 /// How the board may bulge.
-fn expected_warp(arguments: &CalibrateArguments, problem: Option<&Problem>, board: &Board) -> Option<ExpectedWarp> {
-    let stated = problem.and_then(|problem| problem.target.warp);
-    let warp = arguments.warp.map(|mm| Warp::new(mm * 1e-3, board)).or(stated)?;
-    Some(ExpectedWarp { warp, sigma: problem.map_or(USUAL_SIGMA, |problem| problem.noise.sigma) })
+fn expected_warp(arguments: &CalibrateArguments, problem: Option<&Problem>, board: &Board) -> Option<Warp> {
+    let given = arguments.warp.map(|mm| Warp::new(mm * 1e-3, board));
+    given.or_else(|| problem.and_then(|problem| problem.target.warp))
 }
 
 /// The formats to write; a single one must have the lens.

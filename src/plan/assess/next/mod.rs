@@ -67,6 +67,7 @@ impl Proposal {
             header: NextDocument::header(),
             problem: plan.problem.clone(),
             views: names.len(),
+            pictures: plan.pictures,
             intrinsics: EstimatedIntrinsics {
                 names: estimated.iter().map(|&i| camera.lens().parameter_names()[i].into()).collect(),
                 values: estimated.iter().map(|&i| camera.intrinsics()[i]).collect(),
@@ -104,7 +105,7 @@ pub fn next(
 ) -> Result<Proposal, PlanError> {
     let mut problem = Problem {
         camera: calibration.camera.clone(),
-        noise: Noise { sigma: calibration.sigma, ..problem.noise },
+        noise: Noise { sigma: calibration.sigma, model: problem.noise.model.through(&calibration.camera) },
         ..problem.clone()
     };
     // Of the camera more is known now than was stated.

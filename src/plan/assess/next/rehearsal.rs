@@ -7,10 +7,10 @@ use rand_distr::StandardNormal;
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
-use crate::calibration::{Calibration, CalibrationSettings, ExpectedWarp, Observations, calibrate, pose_of_view};
+use crate::calibration::{Calibration, CalibrationSettings, Observations, calibrate, pose_of_view};
 use crate::camera::Camera;
 use crate::feasibility::View;
-use crate::target::Corners;
+use crate::target::{Corners, Surface};
 use crate::verification::Scene;
 
 /// Simulated calibrations.
@@ -42,17 +42,19 @@ pub(crate) fn rehearse(
     W: &DMatrix<f64>,
     seed: u64,
 ) -> Option<Rehearsal> {
-    let L = calibration.covariance.clone().cholesky()?.unpack();
-    let warp = calibration.surface.warp().map(|&warp| ExpectedWarp { warp, sigma: calibration.sigma });
+    let L = calibration.joint_covariance.clone().cholesky()?.unpack();
+    let warp = calibration.surface.warp().copied();
     let error = |trial: usize| {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed.wrapping_add(trial as u64));
         let δ = &L * DVector::from_fn(L.nrows(), |_, _| rng.sample::<f64, _>(StandardNormal));
         let mut θ = calibration.camera.intrinsics().to_vec();
-        for (&j, δ) in calibration.estimated.iter().zip(&δ) {
+        let (heights, intrinsics) = δ.as_slice().split_at(δ.len() - calibration.estimated.len());
+        for (&j, δ) in calibration.estimated.iter().zip(intrinsics) {
             θ[j] += δ;
         }
+        let surface = calibration.surface.moved(heights);
         let truth = calibration.camera.with_intrinsics(&θ).ok()?;
-        let scene = scene(observations, calibration, proposed, truth)?;
+        let scene = scene(observations, calibration, proposed, truth, surface)?;
         let seen = scene.observe(observations.board(), rng.r#gen()).ok()?;
         let estimated = &calibration.estimated;
         let settings = CalibrationSettings { noise: calibration.noise, warp, ..CalibrationSettings::default() };
@@ -74,8 +76,14 @@ pub(crate) fn rehearse(
     })
 }
 
-/// What there is to see if `truth` is the camera.
-fn scene(observations: &Observations, calibration: &Calibration, proposed: &[&View], truth: Camera) -> Option<Scene> {
+/// What there is to see if `truth` is the camera and `surface` the board's face.
+fn scene(
+    observations: &Observations,
+    calibration: &Calibration,
+    proposed: &[&View],
+    truth: Camera,
+    surface: Surface,
+) -> Option<Scene> {
     let taken = (0..observations.views().len()).map(|view| pose_of_view(observations, view, &truth));
     let mut poses = taken.collect::<Option<Vec<_>>>()?;
     poses.extend(proposed.iter().map(|view| view.X_CT));
@@ -86,5 +94,5 @@ fn scene(observations: &Observations, calibration: &Calibration, proposed: &[&Vi
     });
     let seen: Vec<Corners> = seen.chain(proposed.iter().map(|view| view.seen.clone())).collect();
     let (sigma, noise) = (vec![calibration.sigma; poses.len()], calibration.noise);
-    Some(Scene { camera: truth, sigma, noise, poses, seen, missing: 0.0, surface: calibration.surface })
+    Some(Scene { camera: truth, sigma, noise, poses, seen, missing: 0.0, surface })
 }

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::plan::document::header::{Document, Header, ProblemReference};
-use crate::plan::document::plan::PlannedPose;
+use crate::plan::document::plan::{PlannedPose, is_one};
 
 /// What the views taken so far tell, and the poses that would tell most beside them.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -16,6 +16,9 @@ pub struct NextDocument {
     pub problem: ProblemReference,
     /// Number of views taken so far.
     pub views: usize,
+    /// Pictures to take at each pose; 1 where it is not said.
+    #[serde(skip_serializing_if = "is_one")]
+    pub pictures: usize,
     /// The estimated intrinsics by these views.
     pub intrinsics: super::EstimatedIntrinsics,
     /// Map error by what they tell, px.

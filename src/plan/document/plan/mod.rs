@@ -92,7 +92,7 @@ pub(super) fn one() -> usize {
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
-pub(super) fn is_one(count: &usize) -> bool {
+pub(in crate::plan::document) fn is_one(count: &usize) -> bool {
     *count == 1
 }
 
