@@ -30,7 +30,8 @@ pub struct Calibration {
     pub covariance: DMatrix<f64>,
     /// The board's face: that of a flat one unless it was said to bulge.
     pub surface: Surface,
-    /// Covariance of the board's heights, in their deviations, and of the estimated intrinsics, in this order; without heights, `covariance`.
+    /// Covariance of the board's heights, in their deviations, and of the estimated intrinsics, in this order; without heights,
+    /// `covariance`.
     pub joint_covariance: DMatrix<f64>,
     /// How the corners' scatter depends on how they are seen, by which they were weighed.
     pub noise: NoiseModel,
@@ -53,8 +54,8 @@ impl Calibration {
         Unknowns { camera: &self.camera, estimated: &self.estimated }
     }
 
-    /// How high the board's middle lies above its rim along x and along y, each with its standard deviation, m; `None` of a board that
-    /// was said to be flat.
+    /// How high the board's middle lies above its rim along x and along y, each with its standard deviation, m; `None` of a
+    /// board that was said to be flat.
     pub fn warp(&self) -> Option<[[f64; 2]; Warp::HEIGHTS]> {
         let unit = self.surface.warp()?.deviation;
         let heights = self.surface.heights();

@@ -332,8 +332,8 @@ pub fn refine(
     estimate::summarise(observations, &measurements, refined, estimated, settings)
 }
 
-/// Refines, and where the corners' scatter depends on how they are seen, again by what was found of that, as where it must be weighed
-/// against what is expected of a board's heights; with the measurements as they were weighed last.
+/// Refines, and where the corners' scatter depends on how they are seen, again by what was found of that, as where it must be
+/// weighed against what is expected of a board's heights; with the measurements as they were weighed last.
 fn weighed(
     observations: &Observations,
     start: Start,

@@ -42,8 +42,8 @@ pub(super) struct Measurement {
 pub(super) struct Measurements {
     pub(super) all: Vec<Measurement>,
     pub(super) ends: Vec<usize>,
-    /// Standard deviation of a pixel coordinate of a corner of weight 1, px, against which the deviations of a board's heights are
-    /// weighed.
+    /// Standard deviation of a pixel coordinate of a corner of weight 1, px, against which the deviations of a board's heights
+    /// are weighed.
     pub(super) sigma: f64,
 }
 

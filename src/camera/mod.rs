@@ -173,8 +173,8 @@ impl Camera {
         Some(Projection { pixel: Vector2::new(fx * d.point.x + cx, fy * d.point.y + cy), by_point, by_intrinsics })
     }
 
-    /// Vergence of a point `p_C` (m), in 1/m: one over its distance as the lens is focused on it, which is that along the axis, or
-    /// through a fisheye, which sees a sphere sharp and not a plane, that from its centre.
+    /// Vergence of a point `p_C` (m), in 1/m: one over its distance as the lens is focused on it, which is that along the axis,
+    /// or through a fisheye, which sees a sphere sharp and not a plane, that from its centre.
     #[inline]
     pub fn vergence(&self, p_C: &Point3<f64>) -> f64 {
         let distance = if self.lens.is_fisheye() { p_C.coords.norm() } else { p_C.z };

@@ -15,8 +15,8 @@ use crate::target::{Corners, Warp};
 ///     H = Σ A⊥ᵀ A⊥ / σ²        K = Σ A⊥ᵀ Σ_j A⊥ / σ⁴ + G Gᵀ        G = Σ A⊥ᵀ C / σ²
 /// ```
 ///
-/// The last part is there where the board may bulge, which such an estimate knows nothing of: C (2m×2) are the residuals' derivatives
-/// by its heights, in their deviations.
+/// The last part is there where the board may bulge, which such an estimate knows nothing of: C (2m×2) are the residuals'
+/// derivatives by its heights, in their deviations.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unweighted {
     H: DMatrix<f64>,

@@ -66,9 +66,10 @@ impl<'a> Measurement<'a> {
         Some(inverse(information)?.view((first, first), (p, p)).into_owned())
     }
 
-    /// Information that the view of the corners `seen` from `X_CT` gives on the p estimated intrinsics, and before them on the heights
-    /// of a board that may bulge, once the view's own pose is eliminated, p×p packed: the Schur complement `(AᵀA − AᵀB (BᵀB)⁻¹ BᵀA) / σ²` of the normal matrix, where A (2m×p)
-    /// and B (2m×6) are the residual Jacobians by the intrinsics and by the pose, whitened by the corners' covariances.
+    /// Information that the view of the corners `seen` from `X_CT` gives on the p estimated intrinsics, and before them on the
+    /// heights of a board that may bulge, once the view's own pose is eliminated, packed: the Schur complement
+    /// `(AᵀA − AᵀB (BᵀB)⁻¹ BᵀA) / σ²` of the normal matrix, where A (2m × [order](Self::order)) and B (2m×6) are the residual
+    /// Jacobians by what is estimated and by the pose, whitened by the corners' covariances.
     ///
     /// `None` if a corner has no image or the corners do not determine the pose.
     pub(crate) fn information(&self, X_CT: &Pose, seen: &Corners) -> Option<Vec<f64>> {

@@ -290,7 +290,8 @@ mod tests {
     fn edges_of_bodies_are_antialiased() {
         let camera = Camera::new(Lens::Pinhole, 320, 240, &[400.0, 400.0, 159.5, 119.5]).unwrap();
         let picture = |supersampling: u32| {
-            // Its front is 0.9 m before the camera, and its right side, which is not seen, at the pixel 200.25; the board is behind.
+            // Its front is 0.9 m before the camera, and its right side, which is not seen, at the pixel 200.25; the board is
+            // behind.
             let edge = (200.25 - 159.5) / 400.0 * 0.9;
             let half_extents = Vector3::new(edge, 0.1, 0.1);
             let wall = Body { X_LG: Pose::translation(0.0, 0.0, 1.0), shape: Shape::Box { half_extents } };

@@ -4,9 +4,9 @@ use nalgebra::{Point3, Vector2};
 
 use super::Board;
 
-/// How far a board may bulge: the model of mrcal, `z(x, y) = w_x (1 − x²/h_x²) + w_y (1 − y²/h_y²)` with the outermost corners at ±h,
-/// whose two heights have a mean of zero and the same standard deviation. It is one board in all views, so that the heights are
-/// two unknowns of all of them together.
+/// How far a board may bulge: the model of mrcal, `z(x, y) = w_x (1 − x²/h_x²) + w_y (1 − y²/h_y²)` with the outermost corners
+/// at ±h, whose two heights have a mean of zero and the same standard deviation. It is one board in all views, so that the
+/// heights are two unknowns of all of them together.
 ///
 /// Everywhere the heights are in units of that deviation: what is known of them before the first view is the identity.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -23,7 +23,8 @@ fn desk(views: usize) -> tempfile::TempDir {
     desk_of(views, "")
 }
 
-/// A folder with a coarse Servosila problem, a plan of it with the values that are `set`, and detections of the plan's first `views` poses.
+/// A folder with a coarse Servosila problem, a plan of it with the values that are `set`, and detections of the plan's first
+/// `views` poses.
 fn desk_of(views: usize, set: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let text = std::fs::read_to_string("problems/servosila-engineer.toml").unwrap();
@@ -91,7 +92,8 @@ fn the_next_poses_bring_the_map_error_down_to_the_request() {
     assert!(String::from_utf8_lossy(&told.stdout).contains("no more poses are needed"));
 }
 
-/// Of a board that may bulge its heights are estimated beside the camera, and poses are as many times pictured as the plan says.
+/// Of a board that may bulge its heights are estimated beside the camera, and poses are as many times pictured as the plan
+/// says.
 #[test]
 fn heights_and_pictures_count_in_the_next_poses() {
     let known = |document: &Value| document["known_map_error_px"].as_f64().unwrap();

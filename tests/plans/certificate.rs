@@ -55,8 +55,8 @@ fn semidefinite(rng: &mut impl Rng, p: usize, rank: usize) -> DMatrix<f64> {
 }
 
 impl OwnedTerm {
-    /// Orders 1 to 4, ranks from one up, with and without prior, units apart by powers of ten, candidates repeated. From kind 10 on one
-    /// more parameter, of which something is known, is estimated beside those asked for.
+    /// Orders 1 to 4, ranks from one up, with and without prior, units apart by powers of ten, candidates repeated. From kind
+    /// 10 on one more parameter, of which something is known, is estimated beside those asked for.
     fn random(rng: &mut impl Rng, kind: u64, n: usize, count: usize, share: f64) -> Self {
         let asked = rng.gen_range(1..=4.min(n));
         let nuisance = usize::from(kind >= BESIDE);

@@ -1,5 +1,5 @@
-//! Plans with a board that may bulge: what is predicted is what simulated calibrations of bent boards come to, with its heights estimated
-//! and without.
+//! Plans with a board that may bulge: what is predicted is what simulated calibrations of bent boards come to, with its heights
+//! estimated and without.
 
 use std::path::Path;
 
@@ -101,7 +101,8 @@ fn bent(camera: &Camera, heights: [f64; 2], sigma: f64, seed: u64) -> (Observati
     (scene.observe(&board, seed).unwrap(), warp)
 }
 
-/// A board that is bent by more than a corner's noise: its heights are found, with the camera, and taken for flat it spoils the camera.
+/// A board that is bent by more than a corner's noise: its heights are found, with the camera, and taken for flat it spoils the
+/// camera.
 #[test]
 fn a_bent_board_is_recovered_with_the_camera() {
     let camera = Camera::new(Lens::Pinhole, 1280, 720, &[1000.0, 990.0, 640.0, 360.0]).unwrap();

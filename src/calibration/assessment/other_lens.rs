@@ -21,7 +21,8 @@ pub struct OtherLens {
     pub sigma: f64,
 }
 
-/// The lens with distortion, other than `lens`, that fits best a board that may bulge so; of those that fit alike the one with fewer coefficients.
+/// The lens with distortion, other than `lens`, that fits best a board that may bulge so; of those that fit alike the one with
+/// fewer coefficients.
 pub fn other_lens(observations: &Observations, lens: Lens, warp: Option<Warp>) -> Option<OtherLens> {
     let others: &[Lens] = match lens {
         Lens::Pinhole | Lens::Rational => &[Lens::BrownConrady, Lens::KannalaBrandt],

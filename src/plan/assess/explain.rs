@@ -210,7 +210,8 @@ fn least_known(problem: &Problem, chooser: &Chooser, plan: &Choice) -> LeastKnow
     LeastKnown { combination, sigma: finite(sigma), moves_image_px: finite(moves) }
 }
 
-/// The information that is left on the intrinsics where a board's heights, of which something is always known, are estimated beside them.
+/// The information that is left on the intrinsics where a board's heights, of which something is always known, are estimated
+/// beside them.
 fn on_intrinsics(problem: &Problem, M: DMatrix<f64>) -> DMatrix<f64> {
     let nuisance = problem.measurement().nuisance();
     let (p, before) = (M.nrows() - nuisance, M.columns(0, nuisance));

@@ -272,7 +272,8 @@ impl<'a> Chooser<'a> {
         }
     }
 
-    /// Information of a choice on the intrinsics, the prior included, p×p; of a board that may bulge on its heights before them.
+    /// Information of a choice on the intrinsics, the prior included, p×p; of a board that may bulge on its heights before
+    /// them.
     pub fn information(&self, selected: &[usize]) -> DMatrix<f64> {
         let prior = &self.known[0].information;
         let p = prior.nrows();
@@ -321,9 +322,8 @@ impl<'a> Chooser<'a> {
     }
 
     /// Standard deviations and map error of `views`, with those taken already, if the corners, which scatter unequally, are all
-    /// given one weight, and the board is taken for flat: what OpenCV's `calibrateCamera` makes of it. `None` where all scatter alike on a
-    /// flat board, or an intrinsic is left
-    /// undetermined.
+    /// given one weight, and the board is taken for flat: what OpenCV's `calibrateCamera` makes of it. `None` where all scatter
+    /// alike on a flat board, or an intrinsic is left undetermined.
     pub(crate) fn unweighted<'v>(&self, views: impl IntoIterator<Item = &'v View>) -> Option<(Vec<f64>, f64)> {
         let Self { problem, survey, .. } = self;
         let measurement = problem.measurement();

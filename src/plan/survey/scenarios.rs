@@ -110,8 +110,8 @@ impl<'a> Scene<'a> {
         self.look(view.id, view.q.clone())
     }
 
-    /// Predicted map error of what is seen, px, beside the information known already; infinite where that does not determine the
-    /// intrinsics.
+    /// Predicted map error of what is seen, px, beside the information known already; infinite where that does not determine
+    /// the intrinsics.
     pub(crate) fn map_error(&self, seen: &[Option<View>], known: &DMatrix<f64>) -> f64 {
         let told = seen.iter().flatten().filter_map(|view| self.measurement.information(&view.X_CT, &view.seen));
         let total = told.fold(known.clone(), |total, told| total + unpack(&told, known.nrows()));

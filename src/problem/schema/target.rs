@@ -49,8 +49,8 @@ pub(crate) struct Target {
     /// Thickness of the board, in mm: its body is a plate of the printed size under the printed side.
     #[serde(default = "thickness")]
     pub(crate) thickness_mm: f64,
-    /// How far the board may bulge: standard deviation in mm of the two heights, along x and along y, by which its middle may lie
-    /// above or below its rim. They are estimated with the camera, of all views together. Flat when left out.
+    /// How far the board may bulge: standard deviation in mm of the two heights, along x and along y, by which its middle may
+    /// lie above or below its rim. They are estimated with the camera, of all views together. Flat when left out.
     pub(crate) warp_mm: Option<f64>,
     /// The zone, centred on the board, that the optical axis is tested against; the printed board when left out.
     #[serde(default)]

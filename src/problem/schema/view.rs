@@ -48,13 +48,13 @@ pub(crate) struct Noise {
     pub(crate) model: Named<NoiseName>,
     /// Half the side of the detector's window in px, as `winSize` of OpenCV's `cornerSubPix`, for "edges"; 5 when left out.
     pub(crate) window_px: Option<f64>,
-    /// Distance in mm along the optical axis that the lens is focused on, for "edges", with `aperture_mm`; everything is in focus
-    /// when left out.
+    /// Distance in mm along the optical axis that the lens is focused on, for "edges", with `aperture_mm`; everything is in
+    /// focus when left out.
     pub(crate) focus_mm: Option<f64>,
     /// Diameter of the lens's aperture in mm: its focal length over the f-number.
     pub(crate) aperture_mm: Option<f64>,
-    /// Exposure of a picture in ms, for "edges", during which the camera turns by `turning_deg_s` and moves by `moving_mm_s`; it
-    /// is at rest when left out.
+    /// Exposure of a picture in ms, for "edges", during which the camera turns by `turning_deg_s` and moves by `moving_mm_s`;
+    /// it is at rest when left out.
     pub(crate) exposure_ms: Option<f64>,
     /// Angular speed of the camera during the exposure in °/s; 0 when left out.
     pub(crate) turning_deg_s: Option<f64>,

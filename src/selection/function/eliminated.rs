@@ -8,8 +8,8 @@ use crate::selection::packed::{pack, packed_len, solve_lower, solve_lower_transp
 /// A total M of order p whose first s parameters are a nuisance, with its Schur complement `S = M₂₂ − M₂₁ M₁₁⁻¹ M₁₂`.
 ///
 /// S is the least of `K M Kᵀ` over all `K = [X 1]` (Pukelsheim, section 3.11), taken at `X = −M₂₁ M₁₁⁻¹`; so `Φ(S)` is an
-/// information function of M where Φ is one of S, with the gradient `KᵀYK`. Its polar function is that of Φ at the block `Y₂₂`: an
-/// M with a given S can have any `M₂₁ M₁₁⁻¹`, and an `M₁₁` as small as one likes.
+/// information function of M where Φ is one of S, with the gradient `KᵀYK`. Its polar function is that of Φ at the block `Y₂₂`:
+/// an M with a given S can have any `M₂₁ M₁₁⁻¹`, and an `M₁₁` as small as one likes.
 pub(super) struct Eliminated {
     pub(super) S: Vec<f64>,
     /// The packed Cholesky factor of M.
@@ -56,8 +56,8 @@ impl Eliminated {
         Gradient { y: pack(&Y), mixture }
     }
 
-    /// The second derivative by M of a function whose gradient and second derivative by S are given. With `E = K Δ` restricted to the
-    /// nuisance, S changes by `K Δ Kᵀ` and bends by `−2 E M₁₁⁻¹ Eᵀ`.
+    /// The second derivative by M of a function whose gradient and second derivative by S are given. With `E = K Δ` restricted
+    /// to the nuisance, S changes by `K Δ Kᵀ` and bends by `−2 E M₁₁⁻¹ Eᵀ`.
     pub(super) fn curvature(&self, of_s: &Curvature, Gradient { y, .. }: &Gradient) -> Curvature {
         let (K, order, s) = (self.K(), self.order(), self.nuisance);
         let eigen = unpack(y, order).symmetric_eigen();

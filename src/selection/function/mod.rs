@@ -49,8 +49,8 @@ pub enum InformationFunction {
         /// 0 for the function itself; up to 1 for its stand-in.
         softness: f64,
     },
-    /// `Φ(S)` of the Schur complement S of the first parameters: what is known of the others where these are estimated beside them
-    /// and nobody asks for their values.
+    /// `Φ(S)` of the Schur complement S of the first parameters: what is known of the others where these are estimated beside
+    /// them and nobody asks for their values.
     Eliminated {
         /// How many they are.
         nuisance: usize,

@@ -49,8 +49,8 @@ impl Instance<'_> {
         LogSoftMinimum::new(log_values, self.softness)
     }
 
-    /// The gradient of log Φ at a total, term after term; `None` if it is singular. Of the least over the scenarios itself it is
-    /// that of the first that has it.
+    /// The gradient of log Φ at a total, term after term; `None` if it is singular. Of the least over the scenarios itself it
+    /// is that of the first that has it.
     pub(crate) fn gradient_at(&self, total: &[f64]) -> Option<Gradient> {
         let weights = if self.scenarios.len() == 1 {
             vec![1.0]

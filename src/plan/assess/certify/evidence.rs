@@ -462,7 +462,8 @@ fn captured(problem: &Problem) -> impl Iterator<Item = Option<(Pose, Corners)>> 
     })
 }
 
-/// Information of the standard deviations stated: of the heights of a board that may bulge, in their deviations, and of the intrinsics.
+/// Information of the standard deviations stated: of the heights of a board that may bulge, in their deviations, and of the
+/// intrinsics.
 fn stated(problem: &Problem) -> DMatrix<f64> {
     let nuisance = problem.measurement().nuisance();
     let order = nuisance + problem.unknowns().len();

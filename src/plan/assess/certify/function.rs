@@ -110,7 +110,8 @@ pub(super) fn last(M: &DMatrix<f64>, nuisance: usize) -> DMatrix<f64> {
     M.view((nuisance, nuisance), (p, p)).into_owned()
 }
 
-/// The Schur complement of the first `nuisance` parameters of M, the inverse of [`last`] of M⁻¹, and the K with which it is `K M Kᵀ`.
+/// The Schur complement of the first `nuisance` parameters of M, the inverse of [`last`] of M⁻¹, and the K with which it is
+/// `K M Kᵀ`.
 fn left(M: &DMatrix<f64>, nuisance: usize) -> (DMatrix<f64>, DMatrix<f64>) {
     let S = inverse(&last(&inverse(M), nuisance));
     let (p, s) = (S.nrows(), nuisance);
@@ -125,8 +126,8 @@ fn worst(weights: &[DMatrix<f64>], covariance: &DMatrix<f64>) -> (usize, f64) {
     variances.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, f64::NAN))
 }
 
-/// `2 log tr (LᵀYL)^½` for W = L Lᵀ. The trace is the sum of the singular values of `RᵀL` for `Y = R Rᵀ`; the solver works with their
-/// squares, and so has the rounding of these.
+/// `2 log tr (LᵀYL)^½` for W = L Lᵀ. The trace is the sum of the singular values of `RᵀL` for `Y = R Rᵀ`; the solver works with
+/// their squares, and so has the rounding of these.
 fn log_polar_of_variance(W: &DMatrix<f64>, Y: &DMatrix<f64>, shift: f64) -> f64 {
     let (L, R) = (square_root(W, 0.0), square_root(Y, shift));
     let roots = (R.transpose() * L).singular_values();

@@ -67,7 +67,8 @@ pub struct CalibrationDocument {
     pub verdict: String,
 }
 
-/// How high a board's middle lies above its rim, towards the side printed on, as seen along x and along y; with standard deviations.
+/// How high a board's middle lies above its rim, towards the side printed on, as seen along x and along y; with standard
+/// deviations.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct BoardWarp {
     /// Along x.
