@@ -10,7 +10,7 @@ use crate::plan::assess::LocateError;
 use crate::plan::choose::{Chooser, refined_survey};
 use crate::plan::document::{Plan, PlannedPose, PlannedPoses, ProblemReference, Run};
 use crate::plan::results::{check_results, hold_to_read};
-use crate::plan::survey::Survey;
+use crate::plan::survey::{NoView, Survey};
 use crate::problem::Problem;
 
 /// Bytes of a plan; a larger file is something else.
@@ -54,9 +54,13 @@ impl LoadedPlan {
         among_its_own(path, &self.mixed, except)
     }
 
-    /// Surveys the problem anew.
-    pub(crate) fn survey(&self, screen: &Screen) -> Result<Survey, Failure> {
-        Ok(sweeping(screen, &self.problem, |observe| refined_survey(&self.problem, observe))?)
+    /// Surveys the problem of the plan read from `path` anew.
+    pub(crate) fn survey(&self, path: &Path, screen: &Screen) -> Result<Survey, Failure> {
+        let mut survey = sweeping(screen, &self.problem, |observe| refined_survey(&self.problem, observe))?;
+        survey.take_off_grid(&self.problem, &self.plan.off_grid).map_err(|NoView { place }| {
+            refused(path, format!("number {} of the views off the grid that it was made from is none", place + 1))
+        })?;
+        Ok(survey)
     }
 
     /// The chooser that made the plan read from `path`, and the plan's poses among the survey's views.

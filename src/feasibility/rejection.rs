@@ -3,6 +3,8 @@
 /// Why a candidate is not a view; the checks run in this order and the first that fails is the reason.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Rejection {
+    /// A joint is too near to one of its limits.
+    JointLimit,
     /// The camera is on the unprinted side of the board, or in its plane.
     BackSide,
     /// The board is nearer or farther than allowed.
@@ -31,7 +33,8 @@ pub enum Rejection {
 
 impl Rejection {
     /// Every reason, in the order of the checks.
-    pub const ALL: [Rejection; 12] = [
+    pub const ALL: [Rejection; 13] = [
+        Rejection::JointLimit,
         Rejection::BackSide,
         Rejection::Distance,
         Rejection::Incidence,
@@ -49,6 +52,7 @@ impl Rejection {
     /// Name as written in plans.
     pub fn name(self) -> &'static str {
         match self {
+            Rejection::JointLimit => "joint_limit",
             Rejection::BackSide => "back_side",
             Rejection::Distance => "distance",
             Rejection::Incidence => "incidence",

@@ -131,6 +131,10 @@ impl<'a> Checks<'a> {
     /// # Errors
     /// The reason.
     pub fn view(&self, id: usize, q: Vec<f64>) -> Result<View, Rejection> {
+        let joints = self.robot.chain.joints.iter();
+        if joints.zip(&q).any(|(joint, &q)| !joint.keeps_margin(q)) {
+            return Err(Rejection::JointLimit);
+        }
         let X_BC = self.robot.camera_pose(&q);
         let X_CT = X_BC.inverse() * self.target.X_BT;
         let mut seen = visible_corners(self.camera, self.target, self.visibility, &self.corners, &self.markers, &X_CT)?;

@@ -19,16 +19,16 @@ pub struct PoseConstraints {
     pub joint_separation: f64,
     /// Least angle between the directions from which two poses see the board's centre, rad.
     pub view_separation: f64,
-    /// Least distance of the board's pictures from two poses, px, as [`View::picture`](crate::feasibility::View::picture) has it; of swept
-    /// poses 0 where none is stated.
+    /// Least distance of the board's pictures from two poses, px, as [`View::picture`](crate::feasibility::View::picture) has it;
+    /// where none is stated, see [`Problem::picture_separation`](super::Problem::picture_separation).
     pub picture_separation: Option<f64>,
 }
 
-/// Least distance of the board's pictures from two polished poses where none is stated, px. What is systematic in a picture does not
-/// average out over pictures that are the same.
-const PICTURE_SEPARATION: f64 = 20.0;
-
 impl PoseConstraints {
+    /// Least distance of the board's pictures from two poses off the grid where none is stated, px. What is systematic in a picture
+    /// does not average out over pictures that are the same.
+    pub(super) const PICTURE_SEPARATION: f64 = 20.0;
+
     /// Whether any set of the candidates is allowed.
     pub fn allow_all(&self) -> bool {
         let Self {
@@ -49,7 +49,7 @@ impl PoseConstraints {
 
     /// The least distance of pictures from poses off the grid, px.
     pub fn polished_picture_separation(&self) -> f64 {
-        self.picture_separation.unwrap_or(PICTURE_SEPARATION)
+        self.picture_separation.unwrap_or(Self::PICTURE_SEPARATION)
     }
 }
 

@@ -14,6 +14,8 @@ pub struct SelectionSettings {
     pub goal: Goal,
     /// Pictures taken at each pose.
     pub pictures: usize,
+    /// Whether poses may leave the sweep's configurations.
+    pub off_grid: bool,
     /// Seed of everything random.
     pub seed: u64,
     /// Relative gap at which the relaxation stops.

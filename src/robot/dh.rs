@@ -46,8 +46,7 @@ pub fn chain(rows: &[Row], convention: Convention, X_nF: Pose) -> Chain {
         stages.push(Stage { X_PJ: X_before * ahead, motion });
         X_before = behind;
     }
-    let joint =
-        |row: &Row| Joint { name: row.name.clone(), kind: row.kind, limits: row.limits, max_speed: row.max_speed };
+    let joint = |row: &Row| Joint::free(row.name.clone(), row.kind, row.limits, row.max_speed);
     Chain { joints: rows.iter().map(joint).collect(), stages, X_nF: X_before * X_nF }
 }
 

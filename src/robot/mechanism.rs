@@ -211,8 +211,7 @@ mod tests {
             link("finger", Some(3), 4.0, driven(2, revolute, [0.0, 0.0, 1.0], -0.5, 0.2)),
             link("tray", Some(0), 5.0, driven(3, revolute, [0.0, 1.0, 0.0], 1.0, 0.0)),
         ];
-        let joint =
-            |name: &str, kind, min| Joint { name: name.into(), kind, limits: Limits { min, max: PI }, max_speed: None };
+        let joint = |name: &str, kind, min| Joint::free(name.into(), kind, Limits { min, max: PI }, None);
         let joints = vec![
             joint("j0", JointKind::Prismatic, 0.25),
             joint("j1", revolute, -PI),

@@ -11,7 +11,7 @@ mod turn;
 pub(crate) use chain::product;
 pub use chain::{Chain, Stage};
 pub use inverse::{ReachSettings, Reached, Starts, reach};
-pub use joint::{Joint, JointKind, Limits};
+pub use joint::{Joint, JointKind, Limits, Resolution};
 pub use mechanism::{Assembly, Mechanism};
 pub use tree::{Body, Link, Motion, PointMass, Shape, Tree};
 pub use turn::Span;

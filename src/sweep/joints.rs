@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use thiserror::Error;
 
-use crate::robot::{Limits, Span};
+use crate::robot::{Limits, Resolution, Span};
 
 /// A finite set of joint configurations, numbered from 0.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,6 +20,8 @@ pub enum JointSpace {
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointGrid {
     joints: Vec<Axis>,
+    /// Empty where any values can be told.
+    resolutions: Vec<Resolution>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,6 +36,8 @@ struct Axis {
 pub struct HaltonSample {
     limits: Vec<Limits>,
     len: usize,
+    /// Empty where any values can be told.
+    resolutions: Vec<Resolution>,
 }
 
 /// Why steps make no grid.
@@ -91,10 +95,34 @@ impl JointSpace {
                     count: (axis.count - 1) / factor as usize + 1,
                     ..*axis
                 };
-                JointSpace::Grid(JointGrid { joints: grid.joints.iter().map(coarser).collect() })
+                JointSpace::Grid(JointGrid { joints: grid.joints.iter().map(coarser).collect(), ..grid.clone() })
             }
             JointSpace::Sample(sample) => {
-                JointSpace::Sample(HaltonSample { len: sample.len.min(count), limits: sample.limits.clone() })
+                JointSpace::Sample(HaltonSample { len: sample.len.min(count), ..sample.clone() })
+            }
+        }
+    }
+
+    /// The same configurations, their joints told the values next to theirs that they can be told, one resolution a joint.
+    #[must_use]
+    pub fn told(mut self, resolutions: Vec<Resolution>) -> Self {
+        match &mut self {
+            JointSpace::Grid(JointGrid { resolutions: old, .. })
+            | JointSpace::Sample(HaltonSample { resolutions: old, .. }) => *old = resolutions,
+        }
+        self
+    }
+
+    /// Whether any value of a joint, by its index, lies within `limits`.
+    pub fn has_within(&self, joint: usize, limits: &Limits) -> bool {
+        match self {
+            JointSpace::Grid(grid) => {
+                let Axis { min, step, count } = grid.joints[joint];
+                (0..count).any(|i| (limits.min..=limits.max).contains(&(min + i as f64 * step)))
+            }
+            JointSpace::Sample(sample) => {
+                let swept = &sample.limits[joint];
+                swept.min.max(limits.min) < swept.max.min(limits.max)
             }
         }
     }
@@ -113,6 +141,12 @@ impl JointSpace {
             JointSpace::Grid(grid) => grid.configuration(id),
             JointSpace::Sample(sample) => sample.configuration(id),
         }
+    }
+}
+
+impl Axis {
+    fn limits(&self) -> Limits {
+        Limits { min: self.min, max: self.min + (self.count - 1) as f64 * self.step }
     }
 }
 
@@ -141,7 +175,7 @@ impl JointGrid {
             let again = *is_turn && last * step > TAU - 1e-9;
             Axis { min: limits.min, step, count: last as usize + usize::from(!again) }
         });
-        Self { joints: joints.collect() }
+        Self { joints: joints.collect(), resolutions: vec![] }
     }
 
     /// Number of values of each joint.
@@ -171,6 +205,9 @@ impl JointGrid {
             *q = axis.min + (id % axis.count) as f64 * axis.step;
             id /= axis.count;
         }
+        for ((q, axis), resolution) in q.iter_mut().zip(&self.joints).zip(&self.resolutions) {
+            *q = resolution.nearest(*q, &axis.limits());
+        }
         q
     }
 }
@@ -185,7 +222,7 @@ impl HaltonSample {
     /// `len` configurations within `limits`, of at most [`HaltonSample::MOST_JOINTS`] joints.
     pub fn new(limits: &[Limits], len: usize) -> Self {
         debug_assert!(limits.len() <= Self::MOST_JOINTS);
-        Self { limits: limits.to_vec(), len }
+        Self { limits: limits.to_vec(), len, resolutions: vec![] }
     }
 
     /// Limits of each joint.
@@ -199,7 +236,11 @@ impl HaltonSample {
         let index = id + 2 * PRIMES[PRIMES.len() - 1];
         let scale =
             |(limits, &base): (&Limits, &usize)| limits.min + (limits.max - limits.min) * radical_inverse(index, base);
-        self.limits.iter().zip(&PRIMES).map(scale).collect()
+        let mut q: Vec<f64> = self.limits.iter().zip(&PRIMES).map(scale).collect();
+        for ((q, limits), resolution) in q.iter_mut().zip(&self.limits).zip(&self.resolutions) {
+            *q = resolution.nearest(*q, limits);
+        }
+        q
     }
 }
 

@@ -10,6 +10,7 @@ mod collision;
 mod desk;
 mod feasible_poses;
 mod noise;
+mod off_grid;
 mod pictures;
 mod robust;
 mod sweep_table_iii;

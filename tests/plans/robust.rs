@@ -4,8 +4,8 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use calipose::information::Criterion;
-use calipose::plan::assess::{ExplainSettings, PolishSettings, certify, explain, polish};
-use calipose::plan::choose::{Chooser, decide, refined_survey};
+use calipose::plan::assess::{ExplainSettings, certify, explain, polish};
+use calipose::plan::choose::{Chooser, PolishSettings, decide, refined_survey};
 use calipose::plan::document::{Plan, TrialDocument, WorstLoss};
 use calipose::plan::survey::{Survey, SurveyError, Trial, survey};
 use calipose::problem::{Goal, Method, Overrides, PoseConstraints, Problem, RobustGoal};

@@ -22,7 +22,7 @@ pub(crate) fn run(arguments: &CertifyArguments, screen: &mut Screen) -> Result<(
     let loaded = LoadedPlan::open(&arguments.plan, arguments.problem.as_deref())?;
     let refused = |error: CertifyError| Failure::Certify { path: arguments.plan.clone(), error: Box::new(error) };
     loaded.plan.fit(&loaded.problem).map_err(|error| refused(error.into()))?;
-    let survey = loaded.survey(screen)?;
+    let survey = loaded.survey(&arguments.plan, screen)?;
     let LoadedPlan { plan, problem, text, .. } = &loaded;
     let mut confirmed = certify(plan, problem, &survey).map_err(refused)?;
     confirmed.unchecked.extend(Unchecked::unknown(text, plan));

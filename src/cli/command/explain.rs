@@ -43,7 +43,7 @@ pub(crate) fn run(arguments: &ExplainArguments, screen: &mut Screen) -> Result<(
         return Err(Failure::Usage(format!("--spares must be from 0 to {MOST_SPARES}")));
     }
     let loaded = LoadedPlan::read(&arguments.plan, arguments.problem.as_deref())?;
-    let survey = loaded.survey(screen)?;
+    let survey = loaded.survey(&arguments.plan, screen)?;
     let (chooser, selected) = loaded.locate(&arguments.plan, &survey)?;
     let most = arguments.most.unwrap_or(2 * selected.len()).min(survey.views.len());
     let settings = ExplainSettings { most, spares: arguments.spares };

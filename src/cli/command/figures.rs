@@ -60,7 +60,7 @@ pub(crate) fn run(arguments: &FiguresArguments, screen: &mut Screen) -> Result<(
     let beside = path.parent().unwrap_or(Path::new("")).join("figures");
     let folder = arguments.output.clone().unwrap_or(beside);
     probe(&folder)?;
-    let survey = loaded.survey(screen)?;
+    let survey = loaded.survey(&arguments.plan, screen)?;
     let (chooser, selected) = loaded.locate(path, &survey)?;
     let reported = Reported::beside(path, &loaded.plan, &chooser, &selected)?;
     let documents = reported.documents(&loaded.plan)?;

@@ -18,7 +18,7 @@ use crate::cli::output::verdict::Verdict;
 use crate::cli::output::{Screen, grouped, short, table, wrapped};
 use crate::cli::{TableFormat, trials};
 use crate::plan::assess::{compare, verify};
-use crate::plan::choose::{Chooser, decide, refined_survey};
+use crate::plan::choose::{Chooser, decide, plan_survey};
 use crate::plan::document::{
     Document, Plan, RobustnessDocument, Run, RunSeconds, TrialDocument, Verification, WorstLoss, views_csv,
 };
@@ -64,7 +64,7 @@ pub(crate) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<Verd
     arguments.may_write(&problem)?;
 
     hold_against_memory(&problem, screen)?;
-    let survey = sweeping(screen, &problem, |observe| refined_survey(&problem, observe))?;
+    let survey = sweeping(screen, &problem, |observe| plan_survey(&problem, observe))?;
     let survey_time = start.elapsed();
 
     let chooser = Chooser::new(&problem, &survey)?;
@@ -270,7 +270,7 @@ fn summary(
     let compared = format!(
         "{} k-means poses of {} views: map error {} px (clustered on joints), {} px (on camera positions{}).",
         plan.count,
-        grouped(survey.views.len()),
+        grouped(survey.views.len() - survey.off_grid),
         of(0),
         of(1),
         if problem.constraints.allow_all() { "" } else { "; constraints aside" },

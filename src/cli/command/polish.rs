@@ -10,7 +10,8 @@ use crate::cli::output::collision::untested_text;
 use crate::cli::output::failure::Failure;
 use crate::cli::output::pose_table::pose_table;
 use crate::cli::output::{Screen, short};
-use crate::plan::assess::{PolishSettings, polish};
+use crate::plan::assess::polish;
+use crate::plan::choose::PolishSettings;
 use crate::plan::document::Document;
 use crate::plan::results::{add_results, probe};
 
@@ -36,7 +37,7 @@ pub(crate) fn run(arguments: &PolishArguments, screen: &mut Screen) -> Result<()
     let loaded = LoadedPlan::read_to_add(&arguments.plan, arguments.problem.as_deref(), &FILES)?;
     let folder = arguments.plan.parent().unwrap_or(Path::new(""));
     probe(folder)?;
-    let survey = loaded.survey(screen)?;
+    let survey = loaded.survey(&arguments.plan, screen)?;
     let (chooser, selected) = loaded.locate(&arguments.plan, &survey)?;
     let settings = PolishSettings { cycles: arguments.cycles, ..PolishSettings::default() };
     let bar = screen.spinner("polishing");

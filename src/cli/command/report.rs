@@ -104,7 +104,7 @@ fn of_plan(arguments: &ReportArguments, screen: &mut Screen) -> Result<(), Failu
     let loaded = LoadedPlan::read_to_add(path, arguments.problem.as_deref(), &[REPORT_FILE])?;
     let folder = path.parent().unwrap_or(Path::new(""));
     probe(folder)?;
-    let survey = loaded.survey(screen)?;
+    let survey = loaded.survey(path, screen)?;
     let (chooser, selected) = loaded.locate(path, &survey)?;
     let reported = Reported::beside(path, &loaded.plan, &chooser, &selected)?;
     let page = plan_page(&reported.documents(&loaded.plan)?);

@@ -133,7 +133,7 @@ pub(super) fn motions(joints: &[UrdfJoint<'_>]) -> Motions {
         if let Some(&Movement { kind, range, max_speed, mimic: None, .. }) = joint.movement() {
             free.insert(joint.name, motions.free.len());
             let limits = range.limits();
-            motions.free.push((Joint { name: joint.name.into(), kind, limits, max_speed }, range));
+            motions.free.push((Joint::free(joint.name.into(), kind, limits, max_speed), range));
         }
     }
     for (i, joint) in joints.iter().enumerate() {

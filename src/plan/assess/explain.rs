@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use crate::plan::choose::{Choice, Chooser, PlanError, refined_survey};
+use crate::plan::choose::{Choice, Chooser, PlanError, plan_survey};
 use crate::plan::document::{
     CombinationTerm, CurvePoint, Document, Explanation, LeastKnown, PoseExplanation, ProblemReference, RobustnessPrice,
     SparePose, Suffering, TrialDocument, finite, joints_deg,
@@ -163,7 +163,7 @@ fn price(problem: &Problem, chooser: &Chooser, plan: &Choice) -> Result<Option<R
         return Ok(None);
     }
     let stated = Problem { robust: None, ..problem.clone() };
-    let survey = refined_survey(&stated, &|_| {})?;
+    let survey = plan_survey(&stated, &|_| {})?;
     let (best, _) = Chooser::new(&stated, &survey)?.best(plan.selected.len(), problem.selection.seed)?;
     let known = chooser.information(&[]);
     let tried = |survey: &Survey, selected: &[usize]| {

@@ -17,7 +17,7 @@ pub use explain::{ExplainSettings, explain};
 pub use forecast::{Forecast, forecast, forecast_bytes};
 pub use locate::LocateError;
 pub use next::{Proposal, Rehearsal, Request, next};
-pub use polish::{PolishSettings, Polished, polish};
+pub use polish::{Polished, polish};
 pub use reach::reach_starts;
 pub use review::review;
 pub use verify::{VerifyError, verify};

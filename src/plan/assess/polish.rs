@@ -1,38 +1,16 @@
 //! Off the grid: the chosen poses moved to better joint values between the swept ones.
 //!
-//! Block-coordinate ascent of log Φ: one pose at a time, the others held, by the simplex method of Nelder and Mead over its
-//! joint values, from cycle to cycle until one gains next to nothing. A pose moves only where it stays a view and the
-//! constraints allow it. What comes out is a local optimum at best, and never worse than what went in; nothing is proven of
-//! it.
-
-use argmin::core::{CostFunction, Executor};
-use argmin::solver::neldermead::NelderMead;
-use nalgebra::DVector;
+//! A plan that was free to leave the grid is polished already, and gains next to nothing; nothing is proven of what comes out.
 
 use crate::feasibility::View;
-use crate::plan::choose::{Chooser, Objective, PlanError, allows};
+use crate::plan::choose::{Chooser, Moved, PlanError, PolishSettings, Poses, moved};
 use crate::plan::document::{
     Document, GridPlan, Intrinsics, PROVEN, Plan, PlannedPose, PolishedPlan, RobustnessDocument, UnweightedAccuracy,
 };
-use crate::plan::survey::{Scene, SurveyError};
+use crate::plan::survey::SurveyError;
 use crate::problem::Problem;
-use crate::selection::{Constraints, Instance};
-use crate::sweep::JointSpace;
-
-/// When to stop.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PolishSettings {
-    /// Most cycles over all poses.
-    pub cycles: usize,
-    /// Gain in log Φ below which a cycle is the last.
-    pub least_gain: f64,
-}
-
-impl Default for PolishSettings {
-    fn default() -> Self {
-        Self { cycles: 100, least_gain: 1e-4 }
-    }
-}
+use crate::selection::Constraints;
+use crate::selection::packed::unpack;
 
 /// Poses off the grid.
 #[derive(Debug, Clone, PartialEq)]
@@ -89,23 +67,6 @@ impl Polished {
     }
 }
 
-/// Iterations of the simplex method per pose and joint; restarts in the next cycle do more than patience in one.
-const ITERATIONS_PER_JOINT: u64 = 40;
-
-/// The simplex has come to rest when log Φ at its vertices scatters less than this.
-const SIMPLEX_TOLERANCE: f64 = 1e-8;
-
-/// First step along a joint, as a share of the grid's step, and of the joint's range where the problem sweeps a sample.
-const SHARE_OF_STEP: f64 = 0.5;
-const SHARE_OF_RANGE: f64 = 0.02;
-
-/// First steps of one cycle's two tries, as multiples: beside the border of what is seen a simplex may collapse, and another
-/// one, opened the other way, gets on.
-const TRIES: [f64; 2] = [1.0, -0.4];
-
-/// Softnesses of functions with kinks, where moving a single pose rarely gains, before the function itself.
-const SOFTNESSES: [f64; 3] = [0.3, 0.1, 0.03];
-
 /// Polishes the poses `selected` (indices into the survey's views) by the criteria of `chooser`; poses that the constraints
 /// require stay where they are. `observe` is called after each cycle with log Φ.
 ///
@@ -120,50 +81,19 @@ pub fn polish(
 ) -> Result<Polished, PlanError> {
     let grid = chooser.assess(selected.to_vec());
     chooser.require_observable(&grid)?;
-    let objective = chooser.objective();
-    let instance = chooser.instance(grid.selected.len())?;
-    let setting = Setting { problem, objective, scenes: chooser.survey().scenes(problem) };
-    let start = grid.selected.iter().map(|&i| chooser.survey().views[i].clone());
-    let undetermined = || SurveyError::undetermined(problem);
-    let mut current = Poses::new(&setting, start.collect()).ok_or_else(undetermined)?;
-    let mut best = current.clone();
-    let mut best_value = grid.log_value;
-    let fixed: Vec<bool> = grid.selected.iter().map(|i| instance.required().contains(i)).collect();
-    let softnesses = if instance.is_smooth() { &[][..] } else { &SOFTNESSES[..] };
-    let stages = softnesses.iter().map(|&softness| instance.softened(softness)).chain([instance.clone()]);
-    let (mut cycles, mut converged) = (0, false);
-    for stage in stages {
-        converged = false;
-        while cycles < settings.cycles && !converged {
-            cycles += 1;
-            let before = stage.log_value_at(&current.total(&stage));
-            for place in (0..fixed.len()).filter(|&place| !fixed[place]) {
-                for steps in TRIES {
-                    current.improve(&setting, &stage, place, steps);
-                }
-            }
-            converged = stage.log_value_at(&current.total(&stage)) - before < settings.least_gain;
-            let value = instance.log_value_at(&current.total(&instance));
-            if value > best_value {
-                (best, best_value) = (current.clone(), value);
-            }
-            observe(best_value);
-        }
-        // The next function goes on from the best by the last one.
-        current = best.clone();
-    }
-    drop(instance);
+    let Moved { poses, log_value, cycles, converged } = moved(problem, chooser, &grid, settings, observe)?;
+    let measurement = problem.measurement();
     let mut M = chooser.information(&[]);
-    for view in &best.views {
-        let information = setting.scenes[0].measurement.information(&view.X_CT, &view.seen).ok_or_else(undetermined)?;
-        M += crate::selection::packed::unpack(&information, M.nrows());
+    for view in poses.views() {
+        let information = measurement.information(&view.X_CT, &view.seen);
+        M += unpack(&information.ok_or_else(|| SurveyError::undetermined(problem))?, M.nrows());
     }
     let (sigma, map_error) = chooser.accuracy(&M);
     Ok(Polished {
-        shares: shares(chooser, &best)?,
-        views: best.views,
+        shares: shares(chooser, &poses)?,
+        views: poses.views().cloned().collect(),
         grid_log_value: grid.log_value,
-        log_value: best_value,
+        log_value,
         sigma,
         map_error,
         cycles,
@@ -171,168 +101,16 @@ pub fn polish(
     })
 }
 
-/// What poses are judged by.
-struct Setting<'a> {
-    problem: &'a Problem,
-    objective: &'a Objective<'a>,
-    /// The set-up as stated, and the scenarios.
-    scenes: Vec<Scene<'a>>,
-}
-
-impl Setting<'_> {
-    /// The view from joint values, moved into the limits, and its matrices; `None` if it is no view, in too many of the scenarios none,
-    /// or not allowed.
-    fn look(&self, id: usize, q: &DVector<f64>, others: &[&View]) -> Option<(View, Vec<f64>)> {
-        let joints = q.iter().zip(&self.problem.robot.chain.joints);
-        let q = joints.map(|(q, joint)| q.clamp(joint.limits.min, joint.limits.max)).collect();
-        let view = self.scenes[0].look(id, q)?;
-        if !allows(self.problem, others, &view) || !self.is_certain(&view) {
-            return None;
-        }
-        let information = self.objective.information(&self.scenes, &view)?;
-        Some((view, information))
-    }
-
-    /// Whether it is a view in about as many of the scenarios as swept ones must be of all draws.
-    fn is_certain(&self, view: &View) -> bool {
-        let Some(robust) = &self.problem.robust else { return true };
-        let seen = self.scenes.iter().filter(|scene| scene.view(view).is_some()).count();
-        seen as f64 >= (robust.seen_share * self.scenes.len() as f64).round()
-    }
-
-    /// First steps of the simplex along the joints.
-    fn steps(&self) -> Vec<f64> {
-        match &self.problem.space {
-            JointSpace::Grid(grid) => grid.steps().iter().map(|step| SHARE_OF_STEP * step).collect(),
-            JointSpace::Sample(_) => {
-                let joints = self.problem.robot.chain.joints.iter();
-                joints.map(|joint| SHARE_OF_RANGE * (joint.limits.max - joint.limits.min)).collect()
-            }
-        }
-    }
-}
-
-/// Views and their matrices.
-#[derive(Debug, Clone)]
-struct Poses {
-    views: Vec<View>,
-    information: Vec<Vec<f64>>,
-}
-
-impl Poses {
-    fn new(setting: &Setting, views: Vec<View>) -> Option<Self> {
-        let information = views.iter().map(|view| setting.objective.information(&setting.scenes, view));
-        let information = information.collect::<Option<_>>()?;
-        Some(Self { views, information })
-    }
-
-    fn total(&self, instance: &Instance) -> Vec<f64> {
-        self.without(instance, usize::MAX)
-    }
-
-    /// The total of all but one.
-    fn without(&self, instance: &Instance, place: usize) -> Vec<f64> {
-        let mut total = instance.prior();
-        for (_, information) in self.information.iter().enumerate().filter(|(other, _)| *other != place) {
-            add(&mut total, information);
-        }
-        total
-    }
-
-    /// Moves one pose to where log Φ of `instance` is greater, if the simplex method finds such a place; `steps` as in
-    /// [`TRIES`].
-    fn improve(&mut self, setting: &Setting, instance: &Instance, place: usize, steps: f64) {
-        let others = self.views.iter().enumerate().filter(|(other, _)| *other != place).map(|(_, view)| view);
-        let pose = OnePose {
-            setting,
-            instance,
-            id: self.views[place].id,
-            others: others.collect(),
-            rest: self.without(instance, place),
-        };
-        let q = DVector::from_column_slice(&self.views[place].q);
-        let before = pose.value_with(&self.information[place]);
-        let Some(q) = pose.best_near(&q, steps) else { return };
-        let Some((view, information)) = pose.setting.look(pose.id, &q, &pose.others) else { return };
-        if pose.value_with(&information) > before {
-            self.views[place] = view;
-            self.information[place] = information;
-        }
-    }
-}
-
-/// The problem of placing one pose, the others held.
-struct OnePose<'a> {
-    setting: &'a Setting<'a>,
-    instance: &'a Instance<'a>,
-    id: usize,
-    others: Vec<&'a View>,
-    /// The total of the others.
-    rest: Vec<f64>,
-}
-
-impl OnePose<'_> {
-    fn value_with(&self, information: &[f64]) -> f64 {
-        let mut total = self.rest.clone();
-        add(&mut total, information);
-        self.instance.log_value_at(&total)
-    }
-
-    /// −log Φ; infinite where the pose is no view or not allowed.
-    fn cost_at(&self, q: &DVector<f64>) -> f64 {
-        match self.setting.look(self.id, q, &self.others) {
-            Some((_, information)) => -self.value_with(&information),
-            None => f64::INFINITY,
-        }
-    }
-
-    /// Where the simplex method ends.
-    fn best_near(&self, q: &DVector<f64>, steps: f64) -> Option<DVector<f64>> {
-        let vertex = |(joint, &step): (usize, &f64)| {
-            let moved = |share: f64| {
-                let mut vertex = q.clone();
-                vertex[joint] += steps * share * step;
-                vertex
-            };
-            // Beside the border of what is allowed a vertex is better inside than infinite.
-            let inside = [1.0, -1.0, 0.5, -0.5, 0.25, -0.25].map(moved);
-            let inside = inside.into_iter().find(|vertex| self.cost_at(vertex) < f64::INFINITY);
-            inside.unwrap_or_else(|| moved(0.125))
-        };
-        let first = self.setting.steps();
-        let simplex: Vec<DVector<f64>> =
-            std::iter::once(q.clone()).chain(first.iter().enumerate().map(vertex)).collect();
-        let solver = NelderMead::new(simplex).with_sd_tolerance(SIMPLEX_TOLERANCE).ok()?;
-        let iterations = ITERATIONS_PER_JOINT * q.len() as u64;
-        let executor = Executor::new(self, solver).configure(|state| state.max_iters(iterations)).timer(false);
-        executor.run().ok()?.state.best_param
-    }
-}
-
-impl CostFunction for &OnePose<'_> {
-    type Param = DVector<f64>;
-    type Output = f64;
-
-    fn cost(&self, q: &DVector<f64>) -> Result<f64, argmin::core::Error> {
-        Ok(self.cost_at(q))
-    }
-}
-
 /// Each view's share of the information.
 fn shares(chooser: &Chooser, poses: &Poses) -> Result<Vec<f64>, PlanError> {
-    let objective = chooser.objective().on(&poses.information);
-    let all: Vec<usize> = (0..poses.views.len()).collect();
+    let matrices: Vec<Vec<f64>> = poses.information().cloned().collect();
+    let objective = chooser.objective().on(&matrices);
+    let all: Vec<usize> = (0..matrices.len()).collect();
     let instance = objective.instance(all.len(), Constraints::default()).map_err(|error| chooser.explain(error))?;
     Ok(match instance.gradient_at(&instance.total(&all)) {
         Some(gradient) => instance.scores_of(&gradient.y, &all),
         None => vec![f64::NAN; all.len()],
     })
-}
-
-fn add(total: &mut [f64], information: &[f64]) {
-    for (sum, entry) in total.iter_mut().zip(information) {
-        *sum += entry;
-    }
 }
 
 #[cfg(test)]
@@ -398,7 +176,6 @@ mod tests {
         assert_eq!(found, polish(&problem, &chooser, &grid.selected, &SETTINGS, &mut |_| {}).unwrap());
     }
 
-    /// The matrices off the grid are those on it, where the two meet.
     #[test]
     fn every_objective_is_polished_and_never_loses() {
         let mut problem = coarse();
@@ -420,12 +197,6 @@ mod tests {
             .chain([Chooser::new(&problem, &survey).unwrap()]);
         for chooser in choosers {
             let grid = chooser.choose(Method::Greedy, 8, 0).unwrap();
-            let setting =
-                Setting { problem: &problem, objective: chooser.objective(), scenes: survey.scenes(&problem) };
-            let poses = Poses::new(&setting, grid.selected.iter().map(|&i| survey.views[i].clone()).collect()).unwrap();
-            let instance = chooser.instance(8).unwrap();
-            assert_eq!(poses.total(&instance), instance.total(&grid.selected), "{}", chooser.criterion());
-            drop(instance);
             let found = polish(&problem, &chooser, &grid.selected, &SETTINGS, &mut |_| {}).unwrap();
             assert_views(&problem, &found.views);
             assert_eq!(found.grid_log_value, grid.log_value);
@@ -433,28 +204,6 @@ mod tests {
             assert_pictures_differ(&problem, &found.views, 20.0);
             assert!((found.shares.iter().sum::<f64>() - 1.0).abs() < 0.2, "{:?}", found.shares);
         }
-    }
-
-    /// A pose goes only where the scenarios show the board too, by their own tests.
-    #[test]
-    fn a_pose_moves_only_to_views_of_the_scenarios() {
-        let robust = "robust={mount_rotation_deg=8, scenarios=4, draws=8, seen_share=0.75}";
-        let set = Overrides::new().set("sweep.step_deg=20").unwrap().set(robust).unwrap();
-        let problem = Problem::read_with(Path::new("problems/servosila-engineer.toml"), &set).unwrap();
-        let stated = survey(&Problem { robust: None, ..problem.clone() }, &|_| {}).unwrap();
-        let survey = survey(&problem, &|_| {}).unwrap();
-        let chooser = Chooser::new(&problem, &survey).unwrap();
-        let setting = Setting { problem: &problem, objective: chooser.objective(), scenes: survey.scenes(&problem) };
-        let drawn = problem.scenarios();
-        let checks: Vec<_> = drawn.iter().map(Problem::checks).collect();
-        let (mut certain, mut uncertain) = (0, 0);
-        for view in &stated.views {
-            let seen = 1 + checks.iter().filter(|checks| checks.view(view.id, view.q.clone()).is_ok()).count();
-            let found = setting.look(view.id, &view.q.clone().into(), &[]);
-            assert_eq!(found.is_some(), seen >= 3, "{} in {seen} of 4", view.id);
-            *(if seen >= 3 { &mut certain } else { &mut uncertain }) += 1;
-        }
-        assert!(certain > 50 && uncertain > 10, "{certain} {uncertain}");
     }
 
     /// The directions of their outer corners are apart by `least` px at least, at half the focal length, in the root sum of squares.

@@ -214,6 +214,22 @@ impl<'a> Chooser<'a> {
         Ok(relaxation.certificate)
     }
 
+    /// The survey of those views alone that score most by a certificate for choices of `count` poses, `most` at most, and of those
+    /// that the constraints require.
+    ///
+    /// # Errors
+    /// As [`Chooser::best`].
+    pub(super) fn highest(&self, certificate: &Certificate, count: usize, most: usize) -> Result<Survey, PlanError> {
+        let instance = self.instance(count)?;
+        let scores = instance.scores(&certificate.y);
+        let mut highest: Vec<usize> = (0..scores.len()).filter(|&i| instance.is_open(i)).collect();
+        highest.sort_unstable_by(|&a, &b| scores[b].total_cmp(&scores[a]).then(a.cmp(&b)));
+        highest.truncate(most);
+        highest.extend(instance.required());
+        highest.sort_unstable();
+        Ok(self.survey.only(&highest))
+    }
+
     /// `count` poses chosen by `method`; [`Method::Exact`] as [`Method::Best`], for its search wants an observer.
     ///
     /// # Errors
@@ -221,6 +237,8 @@ impl<'a> Chooser<'a> {
     pub fn choose(&self, method: Method, count: usize, seed: u64) -> Result<Choice, PlanError> {
         let instance = self.instance(count)?;
         let improved = || improved_greedy(&instance).map_err(|e| self.explain(e));
+        // The baselines know nothing of views off the grid.
+        let swept = &self.survey.views[..self.survey.views.len() - self.survey.off_grid];
         let selected = match method {
             Method::Best | Method::Exact => {
                 best(&instance, &self.settings, seed).map_err(|e| self.explain(e))?.selected
@@ -232,14 +250,14 @@ impl<'a> Chooser<'a> {
             }
             Method::Exchange => improved()?,
             Method::Greedy => greedy(&instance).map_err(|e| self.explain(e))?,
-            Method::Random => random(self.survey.views.len(), count, seed),
+            Method::Random => random(swept.len(), count, seed),
             Method::KMeansJoints => {
-                let joints: Vec<_> = self.survey.views.iter().map(|view| view.q.clone()).collect();
+                let joints: Vec<_> = swept.iter().map(|view| view.q.clone()).collect();
                 kmeans(&joints, count, seed)?
             }
             Method::KMeansPositions => {
                 let position = |X: &crate::spatial::Pose| X.translation.vector.iter().copied().collect();
-                let positions: Vec<_> = self.survey.views.iter().map(|view| position(&view.X_BC)).collect();
+                let positions: Vec<_> = swept.iter().map(|view| position(&view.X_BC)).collect();
                 kmeans(&positions, count, seed)?
             }
         };

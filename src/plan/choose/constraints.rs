@@ -54,7 +54,7 @@ pub(crate) fn constraints(problem: &Problem, survey: &Survey) -> Result<Constrai
         groups,
         joint_separation,
         view_separation,
-        picture_separation,
+        picture_separation: _, // by the problem
     } = &problem.constraints;
     let views = &survey.views;
     let mut indices = Vec::with_capacity(required.len());
@@ -79,7 +79,8 @@ pub(crate) fn constraints(problem: &Problem, survey: &Survey) -> Result<Constrai
     if *view_separation > 0.0 {
         separations.push(Separation { points: views.iter().map(direction).collect(), least: chord(*view_separation) });
     }
-    if let Some(least) = picture_separation.filter(|&least| least > 0.0) {
+    let least = problem.picture_separation();
+    if least > 0.0 {
         separations.push(Separation { points: views.iter().map(|view| picture(problem, view)).collect(), least });
     }
     Ok(Constraints { required: indices, forbidden, caps, separations })

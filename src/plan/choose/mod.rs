@@ -7,15 +7,17 @@ mod constraints;
 mod decide;
 mod error;
 mod objective;
+mod off_grid;
 mod refined_survey;
 
 pub use baseline::{Clustering, ClusteringError, kmeans, lloyd, random};
 pub use choice::{Choice, Reached};
 pub use chooser::Chooser;
 pub use constraints::ConstraintError;
-pub(crate) use constraints::allows;
 pub use decide::{Decision, FewestProof, SearchSummary, decide};
 pub use error::PlanError;
 pub(crate) use objective::Objective;
+pub(crate) use off_grid::{Moved, Poses, moved};
+pub use off_grid::{PolishSettings, plan_survey};
 pub(crate) use refined_survey::PICKS;
 pub use refined_survey::refined_survey;

@@ -198,6 +198,14 @@ impl<'a> Objective<'a> {
         Objective { terms: terms.collect(), ..*self }
     }
 
+    /// The same where that share of what is known is.
+    pub(crate) fn known_share(mut self, share: f64) -> Self {
+        for prior in self.terms.iter_mut().filter_map(|term| term.prior.as_mut()) {
+            *prior *= share;
+        }
+        self
+    }
+
     /// The problem of choosing `count` views.
     ///
     /// # Errors

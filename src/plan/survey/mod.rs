@@ -9,6 +9,7 @@ mod trial;
 
 pub use contacts::Contact;
 pub use diagnosis::{Diagnosis, Miss, Obstacle, diagnose};
+pub use refine::NoView;
 pub(crate) use refine::{join, spacings};
 pub use scenarios::Scenario;
 pub(crate) use scenarios::Scene;
@@ -40,6 +41,8 @@ pub struct Survey {
     pub links: LinkPairs,
     /// Configurations tried around picked poses, beside the swept ones.
     pub refined: usize,
+    /// How many of the views are off the grid; they are the last.
+    pub off_grid: usize,
     /// The views' information on the estimated intrinsics, in the views' order.
     pub information: InformationSet,
     /// The p×p weight of the map error.
@@ -211,6 +214,31 @@ impl Survey {
         self.views.binary_search_by_key(&id, |view| view.id).ok()
     }
 
+    /// The views off the grid.
+    pub fn off_grid_views(&self) -> &[View] {
+        &self.views[self.views.len() - self.off_grid..]
+    }
+
+    /// The survey of some of its views alone, by their places, ascending; none of them off the grid.
+    pub(crate) fn only(&self, places: &[usize]) -> Self {
+        let of_scenario = |scenario: &Scenario| Scenario {
+            problem: scenario.problem.clone(),
+            information: scenario.information.only(places),
+            map_weight: scenario.map_weight.clone(),
+        };
+        Self {
+            sweep: Sweep { candidates: Vec::new(), ..self.sweep },
+            views: places.iter().map(|&i| self.views[i].clone()).collect(),
+            rejected: self.rejected,
+            links: self.links.clone(),
+            refined: self.refined,
+            off_grid: 0,
+            information: self.information.only(places),
+            map_weight: self.map_weight.clone(),
+            scenarios: self.scenarios.iter().map(of_scenario).collect(),
+        }
+    }
+
     /// The set-up as stated, and the scenarios, ready to look at views.
     pub(crate) fn scenes<'a>(&'a self, problem: &'a Problem) -> Vec<Scene<'a>> {
         let stated = Scene::new(problem);
@@ -234,6 +262,7 @@ impl Survey {
             rejected: [0; Rejection::ALL.len()],
             links: LinkPairs::default(),
             refined: 0,
+            off_grid: 0,
             information,
             map_weight: problem.unknowns().map_error_weight(),
             scenarios,

@@ -2,9 +2,9 @@
 
 use super::scenarios::certain;
 use super::{Survey, SurveyError};
-use crate::feasibility::View;
+use crate::feasibility::{Checks, View};
 use crate::problem::Problem;
-use crate::robot::Limits;
+use crate::robot::{Limits, Resolution};
 use crate::sweep::{AxisRule, HaltonSample, JointSpace};
 use crate::target::AxisCase;
 
@@ -39,7 +39,9 @@ pub(crate) fn join(
         pick.iter().zip(joints).zip(radii).map(box_of).collect::<Vec<_>>()
     };
     let each = problem.refinement.sample / picks.len().max(1);
-    let samples: Vec<HaltonSample> = picks.iter().map(|pick| HaltonSample::new(&around(pick), each)).collect();
+    let told: Vec<Resolution> = joints.iter().map(|joint| joint.resolution).collect();
+    let sample = |pick| JointSpace::Sample(HaltonSample::new(&around(pick), each)).told(told.clone());
+    let samples: Vec<JointSpace> = picks.iter().map(sample).collect();
     let checks = problem.checks();
     // Numbers go on after those of the swept configurations and of the rounds before.
     let first = problem.space.len() + survey.refined;
@@ -49,12 +51,79 @@ pub(crate) fn join(
         (problem.axis == AxisRule::Any || view.axis_case(&problem.target) != AxisCase::Outside).then_some(view)
     };
     let views: Vec<View> = (0..tried).into_par_iter().with_min_len(64).filter_map(view).collect();
-    let found = Survey::of(problem, certain(problem, views))?;
-    survey.information.append(&found.information);
-    for (scenario, found) in survey.scenarios.iter_mut().zip(&found.scenarios) {
-        scenario.information.append(&found.information);
-    }
-    survey.views.extend(found.views);
+    survey.append(Survey::of(problem, certain(problem, views))?);
     survey.refined += tried;
     Ok(())
+}
+
+/// Joint values that should give a view give none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NoView {
+    /// Which of the configurations.
+    pub place: usize,
+}
+
+impl Survey {
+    /// Adds the views from joint values off the grid, in their order; those that the survey has already, or that are none in as many
+    /// of the set-ups as the problem demands, are left out.
+    ///
+    /// # Errors
+    /// When a view's pose is not determined by its own corners.
+    pub(crate) fn add_off_grid(&mut self, problem: &Problem, configurations: &[Vec<f64>]) -> Result<(), SurveyError> {
+        let checks = problem.checks();
+        let mut views: Vec<View> = Vec::new();
+        for q in configurations {
+            let known = self.off_grid_views().iter().chain(&views).any(|view| view.q == *q);
+            if !known && let Some(view) = off_grid_view(problem, &checks, 0, q) {
+                views.push(view);
+            }
+        }
+        let mut views = certain(problem, views);
+        let first = problem.space.len() + self.refined + self.off_grid;
+        for (view, id) in views.iter_mut().zip(first..) {
+            view.id = id;
+        }
+        self.off_grid += views.len();
+        self.append(Survey::of(problem, views)?);
+        Ok(())
+    }
+
+    /// Adds the views off the grid that a plan was made from: as [`Survey::add_off_grid`], but each of the configurations must be one.
+    ///
+    /// # Errors
+    /// The first of the configurations that is not.
+    pub fn take_off_grid(&mut self, problem: &Problem, configurations: &[Vec<f64>]) -> Result<(), NoView> {
+        let checks = problem.checks();
+        let first = problem.space.len() + self.refined;
+        let is_view = |(i, q): (usize, &Vec<f64>)| {
+            q.len() == problem.robot.chain.dof() && off_grid_view(problem, &checks, first + i, q).is_some()
+        };
+        let none = configurations.iter().enumerate().position(|entry| !is_view(entry));
+        if let Some(place) = none {
+            return Err(NoView { place });
+        }
+        let before = self.off_grid;
+        let added = self.add_off_grid(problem, configurations);
+        // Twice the same, or seen in too few of the set-ups.
+        if added.is_err() || self.off_grid - before != configurations.len() {
+            let has = |q: &Vec<f64>| self.off_grid_views().iter().any(|view| view.q == *q);
+            return Err(NoView { place: configurations.iter().position(|q| !has(q)).unwrap_or(0) });
+        }
+        Ok(())
+    }
+
+    fn append(&mut self, found: Self) {
+        self.information.append(&found.information);
+        for (scenario, found) in self.scenarios.iter_mut().zip(&found.scenarios) {
+            scenario.information.append(&found.information);
+        }
+        self.views.extend(found.views);
+    }
+}
+
+/// The view from joint values that poses may have; `None` if they may not, or it is no view.
+fn off_grid_view(problem: &Problem, checks: &Checks, id: usize, q: &[f64]) -> Option<View> {
+    let settable = problem.robot.chain.joints.iter().zip(q).all(|(joint, &q)| joint.settable(q) == q);
+    let view = if settable { checks.view(id, q.to_vec()).ok()? } else { return None };
+    (problem.axis == AxisRule::Any || view.axis_case(&problem.target) != AxisCase::Outside).then_some(view)
 }

@@ -55,13 +55,18 @@ pub(super) fn resolve(document: &Document, file: &schema::File, path: &Path) -> 
     let robust = key!(file, robust).given();
     let selection = check.selection(&key!(file, selection), &names);
     let robust = robust.map(|robust| check.robust(&robust, lens_names, &selection.goal));
-    let joints = robot.as_ref().map(|robot| robot.chain.joints.as_slice()).unwrap_or_default();
-    let constraints = check.constraints(&key!(file, constraints), joints);
-    check.unconstrained_method(selection.goal.method(), &key!(file, constraints), &constraints);
     // The size of the sweep means something only once the limits do.
     let sweep = key!(file, sweep);
     let space = robot.as_ref().and_then(|robot| check.space(&sweep, robot));
+    if let (Some(robot), Some(space)) = (&mut robot, &space) {
+        check.settable(&key!(file, robot), robot, space);
+    }
+    let told = robot.iter().flat_map(|robot| &robot.chain.joints).map(|joint| joint.resolution).collect();
+    let space = space.map(|space| space.told(told));
     let published = check.published(&sweep);
+    let joints = robot.as_ref().map(|robot| robot.chain.joints.as_slice()).unwrap_or_default();
+    let constraints = check.constraints(&key!(file, constraints), joints);
+    check.unconstrained_method(selection.goal.method(), &key!(file, constraints), &constraints);
     let refinement = check.refinement(&sweep, joints);
     if let (Some(space), Some(count)) = (&space, selection.goal.count()) {
         let path = key!(file, selection.count).path;

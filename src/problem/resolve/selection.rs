@@ -22,6 +22,7 @@ impl Check<'_, '_> {
         SelectionSettings {
             goal: self.goal(selection, estimated),
             pictures: self.count(&key!(selection, pictures), Allowed::between(1.0, 1000.0)),
+            off_grid: selection.value.off_grid,
             seed: selection.value.seed,
             tolerance: self.number(&key!(selection, tolerance), Allowed::between(1e-12, 0.1)),
             time_limit: Duration::try_from_secs_f64(time_limit).unwrap_or_default(),

@@ -61,6 +61,16 @@ pub(crate) struct Robot {
     /// Joints whose ranges in `limits_deg` and `limits_mm` may go beyond those of the URDF.
     #[serde(default)]
     pub(crate) exceed_urdf_limits: Vec<String>,
+    /// What the controller's revolute joint values are multiples of, in degrees; 0 for any values. Poses are rounded to it before
+    /// anything is computed of them. 0.01 when left out.
+    pub(crate) joint_resolution_deg: Option<f64>,
+    /// The same of prismatic joints, in mm; 0.01 when left out.
+    pub(crate) joint_resolution_mm: Option<f64>,
+    /// Least distance of poses from the limits of revolute joints, in degrees; joints that go round have none. When left out, 0.5,
+    /// and 0 for joints that are swept at their limits alone.
+    pub(crate) limit_margin_deg: Option<f64>,
+    /// The same of prismatic joints, in mm.
+    pub(crate) limit_margin_mm: Option<f64>,
 }
 
 /// One row of the table.

@@ -29,6 +29,8 @@ pub(crate) struct Selection {
     /// Accuracies to reach with as few poses as possible, in place of `criterion`, `method` and `count`: `map_error_px` and names of
     /// estimated intrinsics, each with the requested standard deviation, as in `{ map_error_px = 2, fx = 1.5 }`.
     pub(crate) accuracy: Option<BTreeMap<String, f64>>,
+    /// Whether poses may leave the sweep's configurations for better ones at any joint values; false for a plan of swept poses.
+    pub(crate) off_grid: bool,
     /// Seed of everything random.
     pub(crate) seed: u64,
     /// Relative gap at which the relaxation stops.
@@ -91,6 +93,7 @@ impl Default for Selection {
             count: None,
             pictures: 1,
             accuracy: None,
+            off_grid: true,
             seed: 0,
             tolerance: 1e-9,
             time_limit_s: 60.0,

@@ -27,13 +27,11 @@ use std::borrow::Cow;
 use nalgebra::{DMatrix, DVector, Point3, Vector3};
 use rayon::prelude::*;
 
-use super::compare::alike;
 use super::error::CertifyError;
-use super::function::{Function, ROUNDING, in_units, inverse, last, matrix, scaled, semidefinite, uncertainty};
-use super::rules::{Group, Rules};
+use super::function::{Function, in_units, inverse, last, matrix, scaled, uncertainty};
+use super::rules::Rules;
 use crate::feasibility::View;
 use crate::information::{Criterion, DiversityModel, Measurement, NoiseModel, Unweighted};
-use crate::plan::document::{CertificateDocument, CertificateTerm, Price};
 use crate::plan::survey::{Scenario, Scene, Survey};
 use crate::problem::{Accuracy, Goal, Problem, RobustGoal};
 use crate::spatial::Pose;
@@ -59,22 +57,22 @@ pub(super) struct Accuracies {
 
 /// What a problem's poses and certificates are judged by.
 pub(super) struct Evidence<'a> {
-    problem: &'a Problem,
+    pub(super) problem: &'a Problem,
     /// The set-up as stated, and the scenarios.
-    set_ups: Vec<SetUp<'a>>,
+    pub(super) set_ups: Vec<SetUp<'a>>,
     /// What is known for a calibration that weighs nothing, where that is not the same.
     unweighted: Option<Unweighted>,
     /// Scenario after scenario.
-    terms: Vec<Term>,
+    pub(super) terms: Vec<Term>,
     pub(super) rules: Rules,
 }
 
 /// A set-up, stated or drawn.
-struct SetUp<'a> {
-    problem: &'a Problem,
+pub(super) struct SetUp<'a> {
+    pub(super) problem: &'a Problem,
     measurement: Measurement<'a>,
     /// The views of the set-up as stated, as they are here; none where they are no views.
-    views: Vec<Option<Cow<'a, View>>>,
+    pub(super) views: Vec<Option<Cow<'a, View>>>,
     /// `X_CT` and the corners seen of the views taken already.
     captured: Vec<(Pose, Corners)>,
     /// Information before the first pose on what is estimated of all views together.
@@ -82,19 +80,19 @@ struct SetUp<'a> {
 }
 
 /// One term of what is optimised.
-struct Term {
-    scenario: usize,
-    name: &'static str,
+pub(super) struct Term {
+    pub(super) scenario: usize,
+    pub(super) name: &'static str,
     /// Of all that it stands together with.
-    share: f64,
-    source: Source,
+    pub(super) share: f64,
+    pub(super) source: Source,
     /// M₀.
-    known: DMatrix<f64>,
-    function: Function,
+    pub(super) known: DMatrix<f64>,
+    pub(super) function: Function,
 }
 
 /// What a view's matrix is.
-enum Source {
+pub(super) enum Source {
     /// Its information on the intrinsics.
     Intrinsics,
     /// That with each intrinsic in its unit.
@@ -175,7 +173,7 @@ impl<'a> Evidence<'a> {
     }
 
     /// Whether the least of the scenarios counts.
-    fn is_worst(&self) -> bool {
+    pub(super) fn is_worst(&self) -> bool {
         self.problem.robust.as_ref().is_some_and(|robust| robust.goal == RobustGoal::Worst)
     }
 
@@ -248,7 +246,7 @@ impl<'a> Evidence<'a> {
     }
 
     /// A term's matrix of a view.
-    fn matrix(&self, term: &Term, view: usize) -> Result<DMatrix<f64>, CertifyError> {
+    pub(super) fn matrix(&self, term: &Term, view: usize) -> Result<DMatrix<f64>, CertifyError> {
         let SetUp { measurement, views, .. } = &self.set_ups[term.scenario];
         let p = term.known.nrows();
         let Some(view) = &views[view] else { return Ok(DMatrix::zeros(p, p)) };
@@ -352,95 +350,6 @@ impl<'a> Evidence<'a> {
     fn lone(&self) -> Option<(&Function, usize)> {
         let first = self.terms.first().filter(|first| self.terms.iter().all(|term| term.name == first.name))?;
         Some(first.function.asked(first.known.nrows()))
-    }
-
-    /// The logarithm of `S / Φ°(Y)`: no allowed set of `count` views has a greater log Φ.
-    pub(super) fn log_bound(&self, certificate: &CertificateDocument, count: usize) -> Result<Rounded, CertifyError> {
-        // The bound is what is computed here; whether it is the one stated the caller asks.
-        let CertificateDocument { bound: _, terms: stated, mixture, prices } = certificate;
-        let Rules { required, forbidden, groups, .. } = &self.rules;
-        let mut rest = mixture.as_slice();
-        let mut mixtures = Vec::with_capacity(self.terms.len());
-        for term in &self.terms {
-            let (own, others) = rest.split_at(term.function.mixed().min(rest.len()));
-            mixtures.push(own);
-            rest = others;
-        }
-        let is_mixture = |(own, term): (&&[f64], &Term)| {
-            let in_all = if term.function.mixed() == 0 { 0.0 } else { 1.0 };
-            own.len() == term.function.mixed()
-                && own.iter().all(|&λ| λ >= 0.0)
-                && (own.iter().sum::<f64>() - in_all).abs() < 1e-9
-        };
-        let mixed = rest.is_empty() && mixtures.iter().zip(&self.terms).all(is_mixture);
-        let priced = |&Price { group, price }: &Price| price >= 0.0 && group < groups.len();
-        if stated.len() != self.terms.len() || !mixed || !prices.iter().all(priced) || count < required.len() {
-            return Err(CertifyError::Prices);
-        }
-        let mut scores = vec![0.0; self.set_ups[0].views.len()];
-        // Sums of the products' sizes, for rounding.
-        let mut sizes = scores.clone();
-        let (mut given, mut entries) = (0.0, 0);
-        // Of each scenario, or of all where their mean counts: the least and the greatest that rounding leaves open.
-        let mut polars: Vec<[f64; 2]> = Vec::new();
-        let mut before = None;
-        let several = self.set_ups.len() > 1;
-        for ((CertificateTerm { scenario, criterion, share, matrix }, term), mixture) in
-            stated.iter().zip(&self.terms).zip(mixtures)
-        {
-            alike("the scenario of a term of the certificate", scenario, &several.then_some(term.scenario))?;
-            if criterion != term.name {
-                return Err(CertifyError::Criterion { stated: term.name.into(), found: criterion.clone() });
-            }
-            if *share != term.share {
-                return Err(CertifyError::Number { what: "a share".into(), stated: *share, found: term.share });
-            }
-            let order = term.known.nrows();
-            let Y = semidefinite(matrix, order)
-                .ok_or_else(|| CertifyError::Matrix { criterion: criterion.clone(), order })?;
-            let size = Y.abs();
-            scores.par_iter_mut().zip(&mut sizes).enumerate().try_for_each(
-                |(i, (score, total))| -> Result<(), CertifyError> {
-                    let M = self.matrix(term, i)?;
-                    *score += M.dot(&Y);
-                    *total += M.abs().dot(&size);
-                    Ok(())
-                },
-            )?;
-            given += term.known.dot(&Y);
-            entries += order * order;
-            let shift = ROUNDING * order as f64;
-            let [least, greatest] = [-shift, shift]
-                .map(|shift| term.share * (term.function.log_polar(&Y, mixture, shift) - term.share.ln()));
-            if self.is_worst() && before != Some(term.scenario) || before.is_none() {
-                polars.push([0.0; 2]);
-            }
-            before = Some(term.scenario);
-            if let Some(polar) = polars.last_mut() {
-                *polar = [polar[0] + least, polar[1] + greatest];
-            }
-        }
-        // The bound holds with the least.
-        let [least_polar, greatest_polar] = [0, 1].map(|end| {
-            let greatest = polars.iter().map(|polar| polar[end]).fold(f64::NEG_INFINITY, f64::max);
-            greatest + polars.iter().map(|polar| (polar[end] - greatest).exp()).sum::<f64>().ln()
-        });
-        for &Price { group, price } in prices {
-            let Group { members, most } = &groups[group];
-            for &i in members {
-                scores[i] -= price;
-            }
-            given += price * *most as f64;
-        }
-        let mut free: Vec<usize> =
-            (0..scores.len()).filter(|i| !forbidden[*i] && required.binary_search(i).is_err()).collect();
-        free.sort_unstable_by(|&a, &b| scores[b].total_cmp(&scores[a]));
-        free.truncate(count - required.len());
-        let counted = || required.iter().chain(&free);
-        let S = given + counted().map(|&i| scores[i]).sum::<f64>();
-        let rounding = entries as f64 * f64::EPSILON * counted().map(|&i| sizes[i]).sum::<f64>();
-        let log = (S + rounding).ln() - least_polar;
-        Ok(Rounded { log, uncertainty: 2.0 * rounding / S + greatest_polar - least_polar })
     }
 }
 

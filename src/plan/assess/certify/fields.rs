@@ -30,12 +30,13 @@ pub(crate) fn is_by_that_method(method: &str, searched: bool, fewest: bool, goal
 }
 
 pub(crate) fn are_those_counts(stated: &SurveyCounts, found: &SurveyCounts) -> Result<(), CertifyError> {
-    let SurveyCounts { swept, axis_inside, axis_edge, refined, views, rejected } = stated;
+    let SurveyCounts { swept, axis_inside, axis_edge, refined, views, off_grid, rejected } = stated;
     same("the number of configurations swept", swept, &found.swept)?;
     same("the number of axes inside the zone", axis_inside, &found.axis_inside)?;
     same("the number of axes on the zone's edge", axis_edge, &found.axis_edge)?;
     same("the number of configurations tried around picked poses", refined, &found.refined)?;
     same("the number of views", views, &found.views)?;
+    same("the number of views off the grid", off_grid, &found.off_grid)?;
     alike("the count of rejected candidates", rejected, &found.rejected)
 }
 

@@ -4,6 +4,7 @@
 //! chose the poses and proved the bound, neither `selection` nor `plan::choose`: `evidence` and `rules` derive what the
 //! numbers mean from the problem's models and definitions once more.
 
+mod bound;
 mod compare;
 mod error;
 mod evidence;
@@ -114,6 +115,7 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
         fewest,
         joints: _, // by `fit`
         poses,
+        off_grid,
     } = plan;
     let mut unchecked = Unchecked::all(&["calipose"], MADE_BY);
 
@@ -130,6 +132,8 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
         return Err(other("the order of the poses", "another", "by ascending id"));
     }
     are_those_counts(counts, &SurveyCounts::new(survey))?;
+    let found: Vec<&Vec<f64>> = survey.off_grid_views().iter().map(|view| &view.q).collect();
+    alike("the views off the grid", &off_grid.iter().collect(), &found)?;
     let tested = Some(CollisionDocument::new(problem, &survey.links));
     alike("what was tested for collision", collision, &tested)?;
 

@@ -53,7 +53,8 @@ impl Rules {
             let toward = |view: &View| view.X_CT.inverse().translation.vector.normalize().iter().copied().collect();
             separations.push((views.iter().map(toward).collect(), chord));
         }
-        if let Some(least) = constraints.picture_separation.filter(|&least| least > 0.0) {
+        let least = problem.picture_separation();
+        if least > 0.0 {
             let picture = |view: &View| view.picture(&problem.camera, &problem.target.board);
             separations.push((views.iter().map(picture).collect(), least));
         }

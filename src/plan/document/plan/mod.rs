@@ -85,6 +85,10 @@ pub struct Plan {
     pub joints: Vec<String>,
     /// The poses, by ascending id.
     pub poses: Vec<PlannedPose>,
+    /// Joint values, rad (m for prismatic joints), of the views off the grid that the poses were chosen from too; their ids go on
+    /// after those of the swept configurations and of those tried around picked poses.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub off_grid: Vec<Vec<f64>>,
 }
 
 pub(super) fn one() -> usize {
@@ -146,7 +150,7 @@ impl UnweightedAccuracy {
 
 impl Document for Plan {
     const FORMAT: &'static str = "calipose.plan";
-    const VERSION: u32 = 3;
+    const VERSION: u32 = 4;
 }
 
 impl Plan {
@@ -197,6 +201,7 @@ impl Plan {
             fewest,
             joints: problem.robot.chain.joints.iter().map(|joint| joint.name.clone()).collect(),
             poses: poses.map(|(&i, share)| PlannedPose::new(problem, &survey.views[i], share)).collect(),
+            off_grid: survey.off_grid_views().iter().map(|view| view.q.clone()).collect(),
         })
     }
 

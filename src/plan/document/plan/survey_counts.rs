@@ -22,6 +22,9 @@ pub struct SurveyCounts {
     pub refined: usize,
     /// Views, which passed every check: what the poses were chosen from.
     pub views: usize,
+    /// How many of the views are off the grid.
+    #[serde(skip_serializing_if = "is_zero", default)]
+    pub off_grid: usize,
     /// Candidates rejected, by reason.
     pub rejected: BTreeMap<String, usize>,
 }
@@ -34,6 +37,7 @@ impl SurveyCounts {
             axis_edge: survey.sweep.edge,
             refined: survey.refined,
             views: survey.views.len(),
+            off_grid: survey.off_grid,
             rejected: rejected_by_name(&survey.rejected),
         }
     }

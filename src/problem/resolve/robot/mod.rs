@@ -2,6 +2,7 @@
 
 mod bodies;
 mod dh_table;
+mod poses;
 mod scene;
 mod urdf;
 
