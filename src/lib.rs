@@ -44,7 +44,7 @@
 //! # Modules
 //!
 //! A module imports only from those before it: [`figures`], [`spatial`], [`selection`], [`camera`], [`target`], [`robot`],
-//! [`print`](mod@print), [`sweep`], [`feasibility`], [`information`], [`calibration`], [`verification`], [`render`],
+//! [`print`](mod@print), [`sweep`], [`feasibility`], [`information`], [`continuum`], [`calibration`], [`verification`], [`render`],
 //! [`formats`],
 //! [`problem`], [`mod@plan`], [`experiment`], [`report`], [`cli`]. The stages up to `verification` know no files and no command line; `selection`
 //! knows no robots and no cameras either.
@@ -60,6 +60,7 @@ pub mod calibration;
 pub mod camera;
 #[cfg(feature = "cli")]
 pub mod cli;
+pub mod continuum;
 pub mod experiment;
 pub mod feasibility;
 pub mod figures;

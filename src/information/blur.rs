@@ -55,12 +55,12 @@ impl Blur {
     }
 
     /// Share that is left of what an edge tells at a `vergence`, in 1/m.
-    pub(super) fn edge(&self, vergence: f64) -> f64 {
+    pub(crate) fn edge(&self, vergence: f64) -> f64 {
         SHARP / self.width(vergence)
     }
 
     /// The same of what a corner's two edges tell, where `reach` is r, in px.
-    pub(super) fn corner(&self, vergence: f64, reach: f64) -> f64 {
+    pub(crate) fn corner(&self, vergence: f64, reach: f64) -> f64 {
         let [a, b] = CORNER;
         let s = self.width(vergence);
         let lost = (s - SHARP) / reach * (a + b * (s + SHARP) / reach);

@@ -15,6 +15,7 @@ mod zhang;
 pub use blur::Blur;
 pub use criterion::{Criterion, UnknownCriterion};
 pub use diversity::DiversityModel;
+pub(crate) use noise::{EDGE_POINTS, LEAST_SHARE};
 pub use noise::{Noise, NoiseModel, NoiseName, Whitening};
 pub use unknowns::Unknowns;
 pub use unweighted::Unweighted;

@@ -64,11 +64,11 @@ pub struct Whitening {
 }
 
 /// Points of a circle's edge that are looked at.
-const EDGE_POINTS: u32 = 24;
+pub(crate) const EDGE_POINTS: u32 = 24;
 
 /// Least share of a window's edges that a detector sees in a direction: a square seen edge-on is no corner, and the limit only
 /// keeps the numbers finite.
-const LEAST_SHARE: f64 = 1e-6;
+pub(crate) const LEAST_SHARE: f64 = 1e-6;
 
 impl Whitening {
     /// Of a point with the standard deviation σ in each direction.

@@ -87,7 +87,7 @@ impl<'a> Measurement<'a> {
     }
 
     /// What the sum of squares of whitened rows is multiplied by: the pictures over σ².
-    pub(super) fn scale(&self) -> f64 {
+    pub(crate) fn scale(&self) -> f64 {
         self.pictures as f64 / (self.noise.sigma * self.noise.sigma)
     }
 

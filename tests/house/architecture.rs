@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::reading::{House, files_below, in_circles, is_word, without_comments};
 
 /// The modules; each may use those above it.
-const ORDER: [&str; 19] = [
+const ORDER: [&str; 20] = [
     "figures",
     "spatial",
     "selection",
@@ -17,6 +17,7 @@ const ORDER: [&str; 19] = [
     "sweep",
     "feasibility",
     "information",
+    "continuum",
     "calibration",
     "verification",
     "render",
@@ -29,7 +30,7 @@ const ORDER: [&str; 19] = [
 ];
 
 /// The files and rooms in a room; each may use those before it, and all may use the room's own `mod.rs`.
-const ROOMS: [(&str, &[&str]); 33] = [
+const ROOMS: [(&str, &[&str]); 34] = [
     (
         "selection",
         &[
@@ -90,6 +91,10 @@ const ROOMS: [(&str, &[&str]); 33] = [
             "zhang",
             "diversity",
         ],
+    ),
+    (
+        "continuum",
+        &["lanes", "taylor", "twist", "quadratic", "image", "frustum", "sight", "score", "cell", "search"],
     ),
     (
         "calibration",
