@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use super::interrupt;
 use super::output::Screen;
+use crate::continuum::ContinuumProgress;
 use crate::problem::Problem;
 use crate::selection::SearchProgress;
 
@@ -12,6 +13,29 @@ use crate::selection::SearchProgress;
 pub(super) fn sweeping<T>(screen: &Screen, problem: &Problem, work: impl FnOnce(&(dyn Fn(usize) + Sync)) -> T) -> T {
     let bar = screen.progress("sweeping", problem.space.len());
     let done = work(&|swept| bar.inc(swept as u64));
+    bar.finish_and_clear();
+    done
+}
+
+/// Runs `bound` with an observer that shows progress, and ends it at the problem's time limit or an interrupt with the bound reached.
+pub(super) fn bounding<T>(
+    screen: &Screen,
+    problem: &Problem,
+    bound: impl FnOnce(&mut dyn FnMut(&ContinuumProgress) -> ControlFlow<()>) -> T,
+) -> T {
+    let bar = screen.progress("bounding", problem.selection.continuum.most_boxes);
+    let start = Instant::now();
+    interrupt::searching(true);
+    let mut observe = |progress: &ContinuumProgress| {
+        bar.set_position(progress.boxes as u64);
+        if start.elapsed() >= problem.selection.time_limit || interrupt::came() {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    };
+    let done = bound(&mut observe);
+    interrupt::searching(false);
     bar.finish_and_clear();
     done
 }

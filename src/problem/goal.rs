@@ -5,6 +5,7 @@ use std::fmt;
 use std::time::Duration;
 
 use super::Method;
+use crate::continuum::ContinuumSettings;
 use crate::information::Criterion;
 
 /// What to choose, and within which limits.
@@ -16,6 +17,8 @@ pub struct SelectionSettings {
     pub pictures: usize,
     /// Whether poses may leave the sweep's configurations.
     pub off_grid: bool,
+    /// The bound over all joint values.
+    pub continuum: ContinuumSettings,
     /// Seed of everything random.
     pub seed: u64,
     /// Relative gap at which the relaxation stops.

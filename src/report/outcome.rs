@@ -1,13 +1,14 @@
 //! What a plan, a study or a design comes to, in words: the same in the terminal and on its page.
 
 use crate::figures::{grouped, short};
-use crate::plan::document::{AxisMeans, DesignDocument, Plan, StudyDocument};
+use crate::plan::document::{AxisMeans, ContinuumDocument, DesignDocument, Plan, StudyDocument};
 
 /// What was chosen, and what is proven of it.
 pub fn outcome(plan: &Plan) -> String {
-    let Plan { count, method, criterion, value, bound, efficiency, search, fewest, .. } = plan;
-    let spare = 100.0 * (1.0 / efficiency - 1.0);
+    let Plan { count, method, criterion, value, bound, efficiency, search, fewest, certificate, .. } = plan;
     let views = grouped(plan.survey.views);
+    let anywhere = certificate.continuum.as_ref().map(|continuum| format!("\n{}", anywhere(plan, continuum)));
+    let anywhere = anywhere.unwrap_or_default();
     if let Some(fewest) = fewest {
         let reached: Vec<String> = fewest
             .accuracies
@@ -15,22 +16,27 @@ pub fn outcome(plan: &Plan) -> String {
             .map(|accuracy| format!("{} {} (requested {})", accuracy.name, short(accuracy.reached), accuracy.requested))
             .collect();
         let proof = match (&fewest.refutation, fewest.least) {
-            (Some(_), least) if least == *count => format!("{} are proven not to suffice.", count - 1),
+            (Some(_), least) if least == *count => {
+                format!("{} of the {views} views are proven not to suffice.", count - 1)
+            }
             (None, least) if least == *count => "Fewer cannot be chosen.".into(),
             (_, least) if least + 1 == *count => {
-                format!("Fewer than {least} are proven not to suffice; whether {least} suffice is not known.")
+                format!(
+                    "Fewer than {least} of the {views} views are proven not to suffice; whether {least} suffice is not known."
+                )
             }
             (_, least) => format!(
-                "Fewer than {least} are proven not to suffice; whether {least} to {} suffice is not known.",
+                "Fewer than {least} of the {views} views are proven not to suffice; whether {least} to {} suffice is not \
+                 known.",
                 count - 1,
             ),
         };
-        return format!("{count} poses reach the accuracy: {}.\n{proof}", reached.join(", "));
+        return format!("{count} poses reach the accuracy: {}.\n{proof}{anywhere}", reached.join(", "));
     }
     let chosen = format!("{count} poses by `{method}` for criterion `{criterion}`: value {}", short(*value));
     match search {
         Some(search) if search.end == "optimal" => format!(
-            "{chosen}, proven optimal: no {count} of the {views} views are better ({} nodes).",
+            "{chosen}, proven optimal: no {count} of the {views} views are better ({} nodes).{anywhere}",
             grouped(search.nodes)
         ),
         _ => {
@@ -39,12 +45,39 @@ pub fn outcome(plan: &Plan) -> String {
                 .map(|search| format!(" The search ended by {} after {} nodes.", search.end, grouped(search.nodes)));
             format!(
                 "{chosen}, bound {}, certified efficiency {efficiency:.4}: no {count} of the {views} views can give \
-                 more than {spare:.2} % more information.{}",
+                 more than {:.2} % more information.{}{anywhere}",
                 short(*bound),
+                spare(*efficiency),
                 ended.unwrap_or_default(),
             )
         }
     }
+}
+
+/// What is proven of all joint values.
+fn anywhere(plan: &Plan, continuum: &ContinuumDocument) -> String {
+    let ContinuumDocument { count, bound, efficiency, boxes, end, .. } = continuum;
+    let reached = match end.as_str() {
+        "closed" => String::new(),
+        end => format!(" (the bound reached after {} boxes: {end})", grouped(*boxes)),
+    };
+    if plan.fewest.is_some() {
+        return if *bound < 1.0 {
+            format!("{count} poses are proven not to suffice at any joint values.")
+        } else {
+            format!("That {count} poses suffice at other joint values is not excluded{reached}.")
+        };
+    }
+    format!(
+        "At whatever joint values, no {count} poses can give more than {:.2} % more information: certified efficiency \
+         {efficiency:.4}{reached}.",
+        spare(*efficiency)
+    )
+}
+
+/// How much more than a share there is, in %.
+fn spare(efficiency: f64) -> f64 {
+    100.0 * (1.0 / efficiency - 1.0)
 }
 
 /// What matters most for a study's first outcome, in a sentence.

@@ -92,10 +92,7 @@ const ROOMS: [(&str, &[&str]); 34] = [
             "diversity",
         ],
     ),
-    (
-        "continuum",
-        &["lanes", "taylor", "twist", "quadratic", "image", "frustum", "sight", "score", "cell", "search"],
-    ),
+    ("continuum", &["lanes", "taylor", "twist", "quadratic", "image", "frustum", "sight", "score", "cell", "search"]),
     (
         "calibration",
         &[
@@ -158,8 +155,20 @@ const ROOMS: [(&str, &[&str]); 34] = [
     ("plan::survey", &["contacts", "scenarios", "trial", "refine", "smell", "diagnosis"]),
     (
         "plan::choose",
-        &["baseline", "choice", "constraints", "error", "objective", "chooser", "refined_survey", "decide"],
+        &[
+            "baseline",
+            "choice",
+            "constraints",
+            "error",
+            "objective",
+            "chooser",
+            "refined_survey",
+            "off_grid",
+            "continuum",
+            "decide",
+        ],
     ),
+    ("plan::choose::off_grid", &["local_search", "poses", "columns"]),
     (
         "plan::document",
         &[
@@ -351,7 +360,7 @@ fn certify_shares_nothing_with_what_it_certifies() {
         let code = without_comments(&std::fs::read_to_string(&path).unwrap());
         for word in ["selection", "choose", "Chooser", "PlanError", "SelectionError"] {
             // What the problem asks for is called its selection, too.
-            let asked = ["goal", "seed", "pictures"].map(|key| format!("problem.selection.{key}"));
+            let asked = ["goal", "seed", "pictures", "continuum"].map(|key| format!("problem.selection.{key}"));
             let own = asked.iter().fold(code.clone(), |code, key| code.replace(key, ""));
             assert!(!own.split(|c| !is_word(c)).any(|other| other == word), "{} names `{word}`", path.display());
         }

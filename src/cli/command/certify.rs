@@ -41,6 +41,12 @@ pub(crate) fn run(arguments: &CertifyArguments, screen: &mut Screen) -> Result<(
         confirmed.efficiency,
         confirmed.tolerance,
     );
+    if let Some([bound, efficiency]) = confirmed.continuum {
+        text += &format!(
+            "\nOver all joint values: bound {}, certified efficiency {efficiency:.4}, by boxes of joint values bounded anew.",
+            short(bound)
+        );
+    }
     if let Some(fewest) = &plan.fewest {
         text += &match (confirmed.least, &fewest.refutation) {
             (Some(least), _) => format!("\n{} poses are proven not to reach the accuracy.", least - 1),

@@ -9,7 +9,7 @@ use super::report::{REPORT_FILE, Reported};
 use super::verify::verdict;
 use crate::cli::arguments::{ProblemArguments, SelectionArguments, method};
 use crate::cli::interrupt::writing;
-use crate::cli::long_work::{searching, sweeping};
+use crate::cli::long_work::{bounding, searching, sweeping};
 use crate::cli::memory::hold_against_memory;
 use crate::cli::output::collision::{close_text, tested_text};
 use crate::cli::output::failure::Failure;
@@ -69,7 +69,13 @@ pub(crate) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<Verd
 
     let chooser = Chooser::new(&problem, &survey)?;
     let decision = searching(screen, &problem, |observe| decide(&chooser, observe))?;
+    let bound =
+        bounding(screen, &problem, |observe| chooser.continuum(&decision.choice, &decision.certificate, observe))?;
     let plan = Plan::new(&chooser, &decision)?;
+    let plan = match &bound {
+        Some(bound) => plan.within_continuum(&chooser, &decision, bound),
+        None => plan,
+    };
 
     // The plan is safe before its simulated calibrations, which may take long, are looked at.
     let seconds = RunSeconds {

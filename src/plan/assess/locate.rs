@@ -98,7 +98,7 @@ impl Plan {
         if self.criterion != goal.to_string() {
             return Err(LocateError::Criterion { stated: self.criterion.clone(), found: goal.to_string() });
         }
-        let proven = self.certificate.terms.iter().map(|term| (term.criterion.as_str(), term.share));
+        let proven = self.certificate.grid.terms.iter().map(|term| (term.criterion.as_str(), term.share));
         // Of a mean over scenarios each has an equal part.
         let (scenarios, parts) = match &problem.robust {
             None => (1, 1),

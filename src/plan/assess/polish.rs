@@ -59,7 +59,7 @@ impl Polished {
                 bound: plan.bound,
                 efficiency: plan.efficiency,
                 map_error_px: plan.map_error_px,
-                certificate: plan.certificate.clone(),
+                certificate: plan.certificate.grid.clone(),
             },
             joints: plan.joints.clone(),
             poses: poses.map(|(view, &share)| PlannedPose::new(problem, view, share)).collect(),

@@ -24,6 +24,8 @@ const ROUNDING: f64 = 1e-12;
 /// What bounds every set of as many poses, at whatever joint values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContinuumCertificate {
+    /// Number of poses of the sets that it bounds.
+    pub count: usize,
     /// Y ⪰ 0, packed, term after term, and the mixture of a worst variance.
     pub gradient: Gradient,
     /// `⟨Y, M(q)⟩` of no view exceeds it.
@@ -55,9 +57,10 @@ pub(crate) fn setting(problem: &Problem) -> Setting<'_> {
 }
 
 impl Chooser<'_> {
-    /// Bounds all sets of as many poses as `choice` has, repeated poses included; `certificate` is that of the survey's views. None where
-    /// a criterion is not of the intrinsics, or the arm has too many joints. `observe` may end it, and the bound reached by then
-    /// holds.
+    /// Bounds all sets of poses at any joint values, repeated poses included: of as many as `choice` has, or of one less where as few
+    /// as possible are asked for. `certificate` is that of the survey's views. None where no pose leaves the grid, no boxes are
+    /// allowed or too few for a bound, a criterion is not of the intrinsics, or the arm has too many joints. `observe` may end it,
+    /// and the bound reached by then holds.
     ///
     /// # Errors
     /// As [`Chooser::best`].
@@ -68,7 +71,12 @@ impl Chooser<'_> {
         observe: &mut dyn FnMut(&ContinuumProgress) -> ControlFlow<()>,
     ) -> Result<Option<ContinuumCertificate>, PlanError> {
         let (problem, survey, objective) = (self.problem(), self.survey(), self.objective());
-        let count = choice.selected.len();
+        let settings = problem.selection.continuum;
+        let fewer = usize::from(problem.selection.goal.count().is_none());
+        let count = choice.selected.len() - fewer;
+        if !problem.leaves_grid() || settings.most_boxes == 0 || count == 0 {
+            return Ok(None);
+        }
         let instance = self.instance(count)?;
         let scores = instance.scores(&certificate.y);
         let off_grid = survey.views.len() - survey.off_grid;
@@ -84,8 +92,8 @@ impl Chooser<'_> {
         let repeated = objective.on(&matrices.collect::<Vec<_>>()).known_share(1.0 / count as f64);
         let relaxed = repeated.instance(1, Constraints::default()).map_err(|error| self.explain(error))?;
         let all: Vec<usize> = (0..relaxed.len()).collect();
-        let settings = RelaxationSettings { tolerance: GAP, ..RelaxationSettings::default() };
-        let relaxation = relax(&relaxed, &all, &settings).map_err(|error| self.explain(error))?;
+        let fine = RelaxationSettings { tolerance: GAP, ..RelaxationSettings::default() };
+        let relaxation = relax(&relaxed, &all, &fine).map_err(|error| self.explain(error))?;
         let Certificate { y, mixture, .. } = relaxation.certificate;
         let gradient = Gradient { y, mixture };
 
@@ -97,11 +105,18 @@ impl Chooser<'_> {
         let dual = instance.dual(&gradient.y);
         let score = |q: &[f64]| search.look(0, q, &[]).map(|found| dot(&found.information, &dual));
         let known = instance.scores(&gradient.y).into_iter().fold(0.0, f64::max);
-        let settings = problem.selection.continuum;
         let Greatest { bound, boxes, end, .. } = continuum.greatest(known, &settings, &score, observe);
         let log_bound = (dot(&instance.prior(), &dual) + count as f64 * bound).ln() + ROUNDING;
         let log_bound = log_bound - instance.log_polar(&gradient) + ROUNDING;
-        let tolerance = settings.tolerance;
-        Ok(Some(ContinuumCertificate { gradient, score: bound, log_bound, tolerance, boxes, end }))
+        let found = ContinuumCertificate {
+            count,
+            gradient,
+            score: bound,
+            log_bound,
+            tolerance: settings.tolerance,
+            boxes,
+            end,
+        };
+        Ok(Some(found).filter(|found| found.log_bound.is_finite()))
     }
 }

@@ -249,6 +249,31 @@ impl<'a> Objective<'a> {
         }
     }
 
+    /// What Y, term after term and packed, is on the information of what is estimated, in each scenario: its score of a view is the
+    /// sum of theirs. None where a criterion is of something else.
+    pub(crate) fn on_measured(&self, y: &[f64]) -> Option<Vec<Vec<f64>>> {
+        let mut rest = y;
+        let mut scenarios: Vec<Vec<f64>> = Vec::with_capacity(self.scenarios);
+        for term in &self.terms {
+            let p = term.candidates.order();
+            let (own, others) = rest.split_at(packed_len(p));
+            rest = others;
+            let own: Vec<f64> = match &term.source {
+                Source::Intrinsics => own.to_vec(),
+                Source::Scaled(units) => {
+                    let pairs = (0..p).flat_map(|i| (0..=i).map(move |j| (i, j)));
+                    own.iter().zip(pairs).map(|(y, (i, j))| y * units[i] * units[j]).collect()
+                }
+                Source::Zhang | Source::Diversity(_) => return None,
+            };
+            match scenarios.get_mut(term.scenario) {
+                Some(sum) => sum.iter_mut().zip(own).for_each(|(sum, own)| *sum += own),
+                None => scenarios.push(own),
+            }
+        }
+        Some(scenarios)
+    }
+
     /// Names of the parameters of a term.
     pub(crate) fn parameters(&self, term: usize) -> &[String] {
         &self.terms[term].parameters

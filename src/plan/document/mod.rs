@@ -29,10 +29,10 @@ pub use header::{Document, Header, ProblemReference};
 pub use kind::Kind;
 pub(crate) use plan::poses_csv;
 pub use plan::{
-    AccuracyDocument, CertificateDocument, CertificateTerm, CollisionDocument, FewestDocument, GridPlan, Intrinsics,
-    PROVEN, Plan, PlanReadError, PlannedPose, PlannedPoses, PolishedPlan, Pose, Price, RobustnessDocument, Run,
-    RunProblem, RunSeconds, ScenarioDocument, SearchDocument, SeenView, SurveyCounts, TrialDocument,
-    UnweightedAccuracy, WorstLoss, joints_deg,
+    AccuracyDocument, CertificateDocument, CertificateTerm, Certificates, CollisionDocument, ContinuumDocument,
+    FewestDocument, GridPlan, Intrinsics, PROVEN, Plan, PlanReadError, PlannedPose, PlannedPoses, PolishedPlan, Pose,
+    Price, RobustnessDocument, Run, RunProblem, RunSeconds, ScenarioDocument, SearchDocument, SeenView, SurveyCounts,
+    TrialDocument, UnweightedAccuracy, WorstLoss, joints_deg,
 };
 pub use problem::{
     BoardDescription, BoardDocument, CameraSights, CheckDocument, ClosePair, DiagnosisDocument, InitDocument,

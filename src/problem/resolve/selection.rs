@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use super::check::Check;
+use crate::continuum::ContinuumSettings;
 use crate::information::Criterion;
 use crate::problem::fault::{Allowed, Reason};
 use crate::problem::schema::{self, Named, TextOrTable};
@@ -23,6 +24,10 @@ impl Check<'_, '_> {
             goal: self.goal(selection, estimated),
             pictures: self.count(&key!(selection, pictures), Allowed::between(1.0, 1000.0)),
             off_grid: selection.value.off_grid,
+            continuum: ContinuumSettings {
+                tolerance: self.number(&key!(selection, continuum_tolerance), Allowed::between(1e-6, 10.0)),
+                most_boxes: self.count(&key!(selection, continuum_boxes), Allowed::between(0.0, 1e9)),
+            },
             seed: selection.value.seed,
             tolerance: self.number(&key!(selection, tolerance), Allowed::between(1e-12, 0.1)),
             time_limit: Duration::try_from_secs_f64(time_limit).unwrap_or_default(),

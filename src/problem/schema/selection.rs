@@ -31,6 +31,11 @@ pub(crate) struct Selection {
     pub(crate) accuracy: Option<BTreeMap<String, f64>>,
     /// Whether poses may leave the sweep's configurations for better ones at any joint values; false for a plan of swept poses.
     pub(crate) off_grid: bool,
+    /// Boxes of joint values that are bounded at most for the certificate over all joint values; 0 for none. The bound reached by then
+    /// is stated.
+    pub(crate) continuum_boxes: u64,
+    /// Relative gap at which that bound suffices.
+    pub(crate) continuum_tolerance: f64,
     /// Seed of everything random.
     pub(crate) seed: u64,
     /// Relative gap at which the relaxation stops.
@@ -94,6 +99,8 @@ impl Default for Selection {
             pictures: 1,
             accuracy: None,
             off_grid: true,
+            continuum_boxes: 20_000,
+            continuum_tolerance: 0.02,
             seed: 0,
             tolerance: 1e-9,
             time_limit_s: 60.0,

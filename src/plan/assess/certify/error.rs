@@ -66,6 +66,14 @@ pub enum CertifyError {
         /// The number of poses.
         count: usize,
     },
+    /// A view may score more than the certificate over all joint values says.
+    #[error("that no view scores more than {score} at any joint values is not confirmed by {boxes} boxes of them")]
+    Continuum {
+        /// The score.
+        score: f64,
+        /// Boxes of joint values that may be looked at.
+        boxes: usize,
+    },
     /// Rounding leaves too little of the numbers.
     #[error("the poses' information is so nearly singular that rounding leaves {what} uncertain by {share:.0e} of it")]
     Rounding {

@@ -6,6 +6,7 @@
 
 mod bound;
 mod compare;
+mod continuum;
 mod error;
 mod evidence;
 mod fields;
@@ -18,9 +19,9 @@ pub use unchecked::Unchecked;
 
 use crate::feasibility::View;
 use crate::plan::document::{
-    AccuracyDocument, CertificateDocument, Certified, CollisionDocument, Document, FewestDocument, Header, NotChecked,
-    Plan, PlannedPose, ProblemReference, RobustnessDocument, ScenarioDocument, SearchDocument, SurveyCounts,
-    TrialDocument, WorstLoss,
+    AccuracyDocument, CertificateDocument, Certificates, Certified, CollisionDocument, Document, FewestDocument,
+    Header, NotChecked, Plan, PlannedPose, ProblemReference, RobustnessDocument, ScenarioDocument, SearchDocument,
+    SurveyCounts, TrialDocument, WorstLoss,
 };
 use crate::plan::survey::{Survey, Trial};
 use crate::problem::{Accuracy, Problem};
@@ -30,7 +31,7 @@ use fields::{
     are_those_counts, are_those_in_scenario, are_those_intrinsics, are_those_unweighted, is_by_that_method,
     is_that_pose,
 };
-use unchecked::{BY_SEARCH, EFFORT, MADE_BY};
+use unchecked::{BY_SEARCH, EFFORT, MADE_BY, UNBOUNDED};
 
 /// Numbers that are the same agree to this share, and to what rounding may have moved them beyond.
 const SAME: f64 = 1e-8;
@@ -55,6 +56,8 @@ pub struct Confirmed {
     pub bound: f64,
     /// The efficiency that these two prove.
     pub efficiency: f64,
+    /// The bound over all joint values, in the same unit, and the efficiency by it, if the plan states them.
+    pub continuum: Option<[f64; 2]>,
     /// Fewer poses than this are proven not to reach the accuracies, if some were requested and a matrix alone proves it.
     pub least: Option<usize>,
     /// The plan's numbers agree to this share: 10⁻⁸, and what rounding may have moved them by where the poses' information is
@@ -78,6 +81,8 @@ impl Confirmed {
             value: self.value,
             bound: self.bound,
             efficiency: self.efficiency,
+            continuum_bound: self.continuum.map(|[bound, _]| bound),
+            continuum_efficiency: self.continuum.map(|[_, efficiency]| efficiency),
             least_count: self.least,
             tolerance: self.tolerance,
             not_checked: self.unchecked.iter().map(not_checked).collect(),
@@ -154,7 +159,8 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
     are_those_unweighted(unweighted.as_ref(), problem, evidence.unweighted(&selected)?, SAME + accuracies.uncertainty)?;
 
     evidence.loses(worst_loss.as_ref(), survey, &selected)?;
-    let bound = evidence.bound(certificate, selected.len())?;
+    let Certificates { grid, continuum } = certificate;
+    let bound = evidence.bound(grid, selected.len())?;
     let tolerance = SAME + value.uncertainty + bound.uncertainty;
     match search {
         None => evidence.equal("the bound", *stated_bound, bound.log, tolerance)?,
@@ -191,11 +197,25 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
     }
     // What takes longest comes last.
     evidence.withstands(robust.as_ref(), problem, survey, &selected)?;
+    let bounded = match continuum {
+        Some(stated) => {
+            unchecked.extend(Unchecked::all(&["certificate.continuum.boxes", "certificate.continuum.end"], EFFORT));
+            let count = selected.len() - usize::from(fewest.is_some());
+            let bound = evidence.continuum(stated, count, value.log)?.log;
+            Some([evidence.natural(bound), (value.log - bound).exp()])
+        }
+        None if problem.leaves_grid() => {
+            unchecked.extend(Unchecked::all(&["certificate.continuum"], UNBOUNDED));
+            None
+        }
+        None => None,
+    };
     Ok(Confirmed {
         views: survey.views.len(),
         value: evidence.natural(value.log),
         bound: evidence.natural(bound.log),
         efficiency: (value.log - bound.log).exp(),
+        continuum: bounded,
         least,
         tolerance: tolerance.max(SAME + accuracies.uncertainty).max(SAME + 10.0 * value.uncertainty),
         unchecked,

@@ -18,6 +18,8 @@ pub(crate) const MADE_BY: &str =
     "names the version that made the plan; what is proven about the plan does not depend on it";
 /// What a search says of itself.
 pub(crate) const EFFORT: &str = "describes the effort of a search, which only the search can reproduce";
+/// What is not claimed.
+pub(crate) const UNBOUNDED: &str = "is left out; nothing is claimed of poses at other joint values";
 /// What a search claims.
 pub(crate) const BY_SEARCH: &str = "was found by search, which only `calipose plan` can repeat; the matrix proves less";
 

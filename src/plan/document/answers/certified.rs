@@ -25,6 +25,10 @@ pub struct Certified {
     pub bound: f64,
     /// The efficiency that these two prove.
     pub efficiency: f64,
+    /// The bound over all joint values, in the same unit; `null` where the plan states none.
+    pub continuum_bound: Option<f64>,
+    /// The efficiency by it.
+    pub continuum_efficiency: Option<f64>,
     /// Fewer poses than this are proven not to reach the accuracies; `null` unless some were requested and a matrix alone
     /// proves it.
     pub least_count: Option<usize>,
@@ -45,5 +49,5 @@ pub struct NotChecked {
 
 impl Document for Certified {
     const FORMAT: &'static str = "calipose.certified";
-    const VERSION: u32 = 2;
+    const VERSION: u32 = 3;
 }

@@ -13,7 +13,10 @@ pub use collision::CollisionDocument;
 pub use polished::{GridPlan, PROVEN, PolishedPlan};
 pub use pose::{PlannedPose, Pose, joints_deg};
 pub(crate) use pose::{joint_columns, poses_csv};
-pub use proof::{AccuracyDocument, CertificateDocument, CertificateTerm, FewestDocument, Price, SearchDocument};
+pub use proof::{
+    AccuracyDocument, CertificateDocument, CertificateTerm, Certificates, ContinuumDocument, FewestDocument, Price,
+    SearchDocument,
+};
 pub use reading::{PlanReadError, PlannedPoses};
 pub use robustness::{RobustnessDocument, ScenarioDocument, SeenView, TrialDocument};
 pub use run::{Run, RunProblem, RunSeconds};
@@ -24,7 +27,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::feasibility::View;
-use crate::plan::choose::{Chooser, Decision, PlanError};
+use crate::plan::choose::{Chooser, ContinuumCertificate, Decision, PlanError};
 use crate::plan::document::header::{Document, Header, ProblemReference, finite};
 use crate::robot::Joint;
 
@@ -73,8 +76,8 @@ pub struct Plan {
     /// What the poses are worth where the set-up is not quite as stated, if that was asked for.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub robust: Option<RobustnessDocument>,
-    /// The proof of the bound; where a search followed, of the bound that it started from.
-    pub certificate: CertificateDocument,
+    /// The proofs of the bounds.
+    pub certificate: Certificates,
     /// How the search for the proven best set went, if there was one.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub search: Option<SearchDocument>,
@@ -196,13 +199,21 @@ impl Plan {
             unweighted: UnweightedAccuracy::new(chooser, &views),
             worst_loss: worst_loss(chooser, &choice.selected),
             robust: RobustnessDocument::new(chooser, &views),
-            certificate: document(&decision.certificate),
+            certificate: Certificates { grid: document(&decision.certificate), continuum: None },
             search: decision.search.as_ref().map(SearchDocument::new),
             fewest,
             joints: problem.robot.chain.joints.iter().map(|joint| joint.name.clone()).collect(),
             poses: poses.map(|(&i, share)| PlannedPose::new(problem, &survey.views[i], share)).collect(),
             off_grid: survey.off_grid_views().iter().map(|view| view.q.clone()).collect(),
         })
+    }
+
+    /// The same plan, of a decision of `chooser`, with the bound over all joint values.
+    #[must_use]
+    pub fn within_continuum(mut self, chooser: &Chooser, decision: &Decision, bound: &ContinuumCertificate) -> Self {
+        let document = ContinuumDocument::new(chooser.objective(), bound, decision.choice.log_value);
+        self.certificate.continuum = Some(document);
+        self
     }
 
     /// The bytes of `plan.csv`: one pose a line under a header, the values of all of `joints` in rad (m) under

@@ -3,8 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::continuum::ContinuumEnd;
 use crate::information::Criterion;
-use crate::plan::choose::{Objective, Reached, SearchSummary};
+use crate::plan::choose::{ContinuumCertificate, Objective, Reached, SearchSummary};
 use crate::problem::Goal;
 use crate::selection::packed::{packed_len, unpack};
 use crate::selection::{Certificate, SearchEnd};
@@ -22,6 +23,43 @@ pub struct CertificateDocument {
     /// Prices of the constraints' groups that bind: first those of the file in its order, then the cells of the separations.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub prices: Vec<Price>,
+}
+
+/// What proves a plan's bounds.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Certificates {
+    /// For the sets of the views that the poses were chosen from: those of the sweep, and those found off the grid. Where a search
+    /// followed, of the bound that it started from.
+    pub grid: CertificateDocument,
+    /// For the sets of poses at any joint values; left out where no pose leaves the grid, or no bound was found.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub continuum: Option<ContinuumDocument>,
+}
+
+/// The numbers that prove a bound on all sets of so many poses at any joint values, repeated poses included: k times the greatest
+/// score `Σ_t ⟨Y_t, M_t(q)⟩`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ContinuumDocument {
+    /// Number of poses of the sets: the plan's, or one less where as few as possible were asked for.
+    pub count: usize,
+    /// What no such set can surpass, in the unit of the plan's bound.
+    pub bound: f64,
+    /// The share of the best possible information of so many poses that the plan has at least; where one less is bounded, below 1 if
+    /// they cannot suffice.
+    pub efficiency: f64,
+    /// The score that no view exceeds, whatever its joint values.
+    pub score: f64,
+    /// Share by which it was to be known.
+    pub tolerance: f64,
+    /// Boxes of joint values that were bounded.
+    pub boxes: usize,
+    /// "closed": the score is known to the tolerance; or what ended it before: "box limit", "time limit or interrupt".
+    pub end: String,
+    /// One term per criterion, scenario after scenario.
+    pub terms: Vec<CertificateTerm>,
+    /// For accuracies, the mixture λ of the names' variances that the bound is taken for.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub mixture: Vec<f64>,
 }
 
 /// A criterion's part of a certificate.
@@ -109,23 +147,53 @@ impl SearchDocument {
 
 impl CertificateDocument {
     pub(crate) fn new(objective: &Objective, certificate: &Certificate) -> Self {
-        let mut rest = certificate.y.as_slice();
-        let scenarios = objective.scenarios();
-        let terms = objective.criteria().map(|(scenario, criterion, share, p)| {
-            let (own, others) = rest.split_at(packed_len(p));
-            rest = others;
-            CertificateTerm {
-                scenario: (scenarios > 1).then_some(scenario),
-                criterion: criterion.map_or(Goal::ACCURACY, Criterion::name).into(),
-                share,
-                matrix: unpack(own, p).row_iter().map(|row| row.iter().copied().collect()).collect(),
-            }
-        });
         Self {
             bound: objective.natural(certificate.log_bound),
-            terms: terms.collect(),
+            terms: terms(objective, &certificate.y),
             mixture: certificate.mixture.clone(),
             prices: certificate.prices.iter().map(|&(group, price)| Price { group, price }).collect(),
         }
     }
+}
+
+impl ContinuumDocument {
+    /// Every way to end.
+    pub const ENDS: [&'static str; 3] = ["closed", "box limit", "time limit or interrupt"];
+
+    /// Of a plan of log Φ = `log_value`.
+    pub(crate) fn new(objective: &Objective, certificate: &ContinuumCertificate, log_value: f64) -> Self {
+        let end = match certificate.end {
+            ContinuumEnd::Closed => 0,
+            ContinuumEnd::BoxLimit => 1,
+            ContinuumEnd::Stopped => 2,
+        };
+        Self {
+            count: certificate.count,
+            bound: objective.natural(certificate.log_bound),
+            efficiency: (log_value - certificate.log_bound).exp(),
+            score: certificate.score,
+            tolerance: certificate.tolerance,
+            boxes: certificate.boxes,
+            end: Self::ENDS[end].into(),
+            terms: terms(objective, &certificate.gradient.y),
+            mixture: certificate.gradient.mixture.clone(),
+        }
+    }
+}
+
+/// Y, packed, term after term.
+fn terms(objective: &Objective, y: &[f64]) -> Vec<CertificateTerm> {
+    let mut rest = y;
+    let scenarios = objective.scenarios();
+    let terms = objective.criteria().map(|(scenario, criterion, share, p)| {
+        let (own, others) = rest.split_at(packed_len(p));
+        rest = others;
+        CertificateTerm {
+            scenario: (scenarios > 1).then_some(scenario),
+            criterion: criterion.map_or(Goal::ACCURACY, Criterion::name).into(),
+            share,
+            matrix: unpack(own, p).row_iter().map(|row| row.iter().copied().collect()).collect(),
+        }
+    });
+    terms.collect()
 }
