@@ -65,12 +65,11 @@ impl Base {
         }
     }
 
-    /// The problem with `KEY=VALUE` settings in place of its own. Experiments are about the sweep's views: no pose leaves them.
+    /// The problem with `KEY=VALUE` settings in place of its own. Experiments are about the sweep's views, which no pose leaves.
     pub(super) fn problem<'s>(&self, settings: impl Iterator<Item = &'s String>) -> Result<Problem, SettingFault> {
-        let overrides = settings.cloned().try_fold(Overrides::new(), |overrides, text| overrides.set(&text))?;
-        let mut problem = Problem::parse_with(&self.text, &self.path, &overrides)?;
-        problem.selection.off_grid = false;
-        Ok(problem)
+        let on_grid = Overrides::new().set("selection.off_grid=false")?;
+        let overrides = settings.cloned().try_fold(on_grid, |overrides, text| overrides.set(&text))?;
+        Ok(Problem::parse_with(&self.text, &self.path, &overrides)?)
     }
 
     /// What is wrong with a value that the problem refuses.

@@ -29,6 +29,13 @@ pub struct SelectionSettings {
     pub node_limit: usize,
 }
 
+impl SelectionSettings {
+    /// Whether the poses may leave the sweep's configurations. Choices that look at no constraints are among these alone.
+    pub fn leaves_grid(&self) -> bool {
+        self.off_grid && self.goal.method().heeds_constraints()
+    }
+}
+
 /// What is asked for: the best of sets of one size, or the smallest of those that are good enough.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Goal {

@@ -148,15 +148,10 @@ impl Problem {
         Checks::new(robot, camera, target, visibility, *clearance, stability.as_ref())
     }
 
-    /// Whether the poses may leave the sweep's configurations. Choices that look at no constraints are among these alone.
-    pub fn leaves_grid(&self) -> bool {
-        self.selection.off_grid && self.selection.goal.method().heeds_constraints()
-    }
-
     /// Least distance of the board's pictures from two poses, px; 0 for none. Swept poses are apart by their steps.
     pub fn picture_separation(&self) -> f64 {
         let stated = self.constraints.picture_separation;
-        stated.unwrap_or(if self.leaves_grid() { PoseConstraints::PICTURE_SEPARATION } else { 0.0 })
+        stated.unwrap_or(if self.selection.leaves_grid() { PoseConstraints::PICTURE_SEPARATION } else { 0.0 })
     }
 
     /// The intrinsics to estimate, of the nominal camera.

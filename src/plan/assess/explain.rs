@@ -237,7 +237,7 @@ mod tests {
     use crate::problem::{Accuracy, Goal, Method, Overrides};
 
     fn coarse() -> Problem {
-        let step = Overrides::new().set("sweep.step_deg=20").unwrap();
+        let step = Overrides::new().set("sweep.step_deg=20").unwrap().set("selection.off_grid=false").unwrap();
         Problem::read_with(Path::new("problems/servosila-engineer.toml"), &step).unwrap()
     }
 

@@ -74,7 +74,7 @@ impl Chooser<'_> {
         let settings = problem.selection.continuum;
         let fewer = usize::from(problem.selection.goal.count().is_none());
         let count = choice.selected.len() - fewer;
-        if !problem.leaves_grid() || settings.most_boxes == 0 || count == 0 {
+        if !problem.selection.leaves_grid() || settings.most_boxes == 0 || count == 0 {
             return Ok(None);
         }
         let instance = self.instance(count)?;

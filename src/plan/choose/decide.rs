@@ -91,11 +91,12 @@ mod tests {
 
     use super::*;
     use crate::plan::survey::survey;
-    use crate::problem::Problem;
+    use crate::problem::{Overrides, Problem};
 
     #[test]
     fn hardly_any_of_the_possible_information_is_no_plan() {
-        let mut problem = Problem::read(Path::new("problems/servosila-engineer.toml")).unwrap();
+        let on_grid = Overrides::new().set("selection.off_grid=false").unwrap();
+        let mut problem = Problem::read_with(Path::new("problems/servosila-engineer.toml"), &on_grid).unwrap();
         let criteria = problem.selection.goal.criteria().into_owned();
         problem.selection.goal = Goal::Best { criteria, count: 2, method: Method::KMeansJoints };
         let survey = survey(&problem, &|_| {}).unwrap();

@@ -59,7 +59,7 @@ pub(super) fn resolve(document: &Document, file: &schema::File, path: &Path) -> 
     let sweep = key!(file, sweep);
     let space = robot.as_ref().and_then(|robot| check.space(&sweep, robot));
     if let (Some(robot), Some(space)) = (&mut robot, &space) {
-        check.settable(&key!(file, robot), robot, space);
+        check.settable(&key!(file, robot), robot, space, selection.leaves_grid());
     }
     let told = robot.iter().flat_map(|robot| &robot.chain.joints).map(|joint| joint.resolution).collect();
     let space = space.map(|space| space.told(told));

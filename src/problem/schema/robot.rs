@@ -66,8 +66,8 @@ pub(crate) struct Robot {
     pub(crate) joint_resolution_deg: Option<f64>,
     /// The same of prismatic joints, in mm; 0.01 when left out.
     pub(crate) joint_resolution_mm: Option<f64>,
-    /// Least distance of poses from the limits of revolute joints, in degrees; joints that go round have none. When left out, 0.5,
-    /// and 0 for joints that are swept at their limits alone.
+    /// Least distance of poses from the limits of revolute joints, in degrees; joints that go round have none. When left out, 0.5
+    /// where poses may leave the grid, and 0 where they may not and for joints that are swept at their limits alone.
     pub(crate) limit_margin_deg: Option<f64>,
     /// The same of prismatic joints, in mm.
     pub(crate) limit_margin_mm: Option<f64>,

@@ -204,7 +204,7 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
             let bound = evidence.continuum(stated, count, value.log)?.log;
             Some([evidence.natural(bound), (value.log - bound).exp()])
         }
-        None if problem.leaves_grid() => {
+        None if problem.selection.leaves_grid() => {
             unchecked.extend(Unchecked::all(&["certificate.continuum"], UNBOUNDED));
             None
         }

@@ -148,7 +148,7 @@ mod tests {
     use crate::problem::{Accuracy, Goal, Method, Overrides};
 
     fn coarse(set: &str) -> Problem {
-        let step = Overrides::new().set("sweep.step_deg=20").unwrap();
+        let step = Overrides::new().set("sweep.step_deg=20").unwrap().set("robot.limit_margin_deg=0").unwrap();
         let overrides = if set.is_empty() { step } else { step.set(set).unwrap() };
         Problem::read_with(Path::new("problems/servosila-engineer.toml"), &overrides).unwrap()
     }

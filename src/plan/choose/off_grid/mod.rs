@@ -50,7 +50,7 @@ pub fn plan_survey(problem: &Problem, observe: &(dyn Fn(usize) + Sync)) -> Resul
 /// # Errors
 /// When the views do not give what a criterion needs.
 pub(crate) fn leave_grid(problem: &Problem, mut survey: Survey) -> Result<Survey, PlanError> {
-    if !problem.leaves_grid() {
+    if !problem.selection.leaves_grid() {
         return Ok(survey);
     }
     let found = {

@@ -9,12 +9,18 @@ use crate::sweep::JointSpace;
 
 /// Degrees and mm: what controllers' panels show.
 const RESOLUTION: f64 = 0.01;
-/// Degrees and mm, where the sweep leaves room for it.
+/// Degrees and mm, where poses may leave the grid, whose ends are the limits.
 const MARGIN: f64 = 0.5;
 
 impl Check<'_, '_> {
-    /// Sets the resolutions and margins of the arm's joints, which sweep `space`.
-    pub(crate) fn settable(&mut self, keys: &At<schema::Robot>, robot: &mut Robot, space: &JointSpace) {
+    /// Sets the resolutions and margins of the arm's joints, which sweep `space`; `leave_grid` is whether poses may leave it.
+    pub(crate) fn settable(
+        &mut self,
+        keys: &At<schema::Robot>,
+        robot: &mut Robot,
+        space: &JointSpace,
+        leave_grid: bool,
+    ) {
         // A joint that goes round meets no limit, and one that is held keeps no distance from its own.
         let meets_limits: Vec<bool> = robot
             .spans()
@@ -44,7 +50,7 @@ impl Check<'_, '_> {
             for (i, joint) in joints.iter_mut().enumerate().filter(|(_, joint)| joint.kind == kind) {
                 joint.resolution = Resolution::new(kind, step);
                 if meets_limits[i] {
-                    joint.limit_margin = kind.in_si(margin.unwrap_or(MARGIN));
+                    joint.limit_margin = kind.in_si(margin.unwrap_or(if leave_grid { MARGIN } else { 0.0 }));
                     if margin.is_none() && !space.has_within(i, &joint.range()) {
                         joint.limit_margin = 0.0;
                     }
