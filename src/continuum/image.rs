@@ -5,27 +5,30 @@ use super::taylor::{Expansion, Taylor};
 use crate::camera::{Camera, Lens, MAX_INTRINSICS};
 
 /// A pixel and its derivatives.
-pub(super) struct Image<const N: usize, const Q: usize> {
-    pub(super) pixel: [Taylor<N, Q>; 2],
+pub(super) struct Image<const N: usize, const Q: usize, const C: usize> {
+    pub(super) pixel: [Taylor<N, Q, C>; 2],
     /// By the point in C, px per m.
-    pub(super) by_point: [[Taylor<N, Q>; 3]; 2],
+    pub(super) by_point: [[Taylor<N, Q, C>; 3]; 2],
     /// By θ; none where it is zero.
-    pub(super) by_intrinsics: [[Option<Taylor<N, Q>>; MAX_INTRINSICS]; 2],
+    pub(super) by_intrinsics: [[Option<Taylor<N, Q, C>>; MAX_INTRINSICS]; 2],
     /// Whether the models hold: where the point may be in the camera's plane they do not.
     pub(super) exists: [bool; LANES],
 }
 
 /// A normalised image point with its derivatives.
-struct Distorted<const N: usize, const Q: usize> {
-    point: [Taylor<N, Q>; 2],
-    by_point: [[Taylor<N, Q>; 3]; 2],
-    by_coefficients: Vec<[Taylor<N, Q>; 2]>,
+struct Distorted<const N: usize, const Q: usize, const C: usize> {
+    point: [Taylor<N, Q, C>; 2],
+    by_point: [[Taylor<N, Q, C>; 3]; 2],
+    by_coefficients: Vec<[Taylor<N, Q, C>; 2]>,
     exists: [bool; LANES],
 }
 
 /// The image of the point p in C. Points that the camera has no image of for another reason than their depth, such as those
 /// beyond the lens's fold, have that of the formula.
-pub(super) fn image<const N: usize, const Q: usize>(camera: &Camera, p: &[Taylor<N, Q>; 3]) -> Image<N, Q> {
+pub(super) fn image<const N: usize, const Q: usize, const C: usize>(
+    camera: &Camera,
+    p: &[Taylor<N, Q, C>; 3],
+) -> Image<N, Q, C> {
     let θ = camera.intrinsics();
     let mut k = [0.0; MAX_INTRINSICS - 4];
     k[..θ.len() - 4].copy_from_slice(&θ[4..]);
@@ -38,7 +41,7 @@ pub(super) fn image<const N: usize, const Q: usize>(camera: &Camera, p: &[Taylor
     let [fx, fy, cx, cy] = [θ[0], θ[1], θ[2], θ[3]];
     let focal = [fx, fy];
     let one = Taylor::constant(1.0);
-    let mut by_intrinsics: [[Option<Taylor<N, Q>>; MAX_INTRINSICS]; 2] = [[None; MAX_INTRINSICS]; 2];
+    let mut by_intrinsics: [[Option<Taylor<N, Q, C>>; MAX_INTRINSICS]; 2] = [[None; MAX_INTRINSICS]; 2];
     for row in 0..2 {
         by_intrinsics[row][row] = Some(distorted.point[row]);
         by_intrinsics[row][2 + row] = Some(one);
@@ -56,11 +59,11 @@ pub(super) fn image<const N: usize, const Q: usize>(camera: &Camera, p: &[Taylor
 }
 
 /// The pinhole, Brown's and the rational model; see `camera::lens::polynomial`, whose names these are.
-fn polynomial<const N: usize, const Q: usize>(
-    p: &[Taylor<N, Q>; 3],
+fn polynomial<const N: usize, const Q: usize, const C: usize>(
+    p: &[Taylor<N, Q, C>; 3],
     k: &[f64; 8],
     coefficients: usize,
-) -> Distorted<N, Q> {
+) -> Distorted<N, Q, C> {
     let (iz, mut exists) = p[2].recip();
     let front = p[2].c.0;
     for (exists, z) in exists.iter_mut().zip(front) {
@@ -108,9 +111,9 @@ fn polynomial<const N: usize, const Q: usize>(
         [by_x, by_y, -&(&(&by_x * &x) + &(&by_y * &y))]
     });
     // By the numerator's coefficients m rⁿ / denominator, by the denominator's −m rⁿ c / denominator.
-    let over = |of: &Taylor<N, Q>| inverse.as_ref().map_or(*of, |inverse| of * inverse);
+    let over = |of: &Taylor<N, Q, C>| inverse.as_ref().map_or(*of, |inverse| of * inverse);
     let by_numerator = [over(&x), over(&y)];
-    let power = |of: &[Taylor<N, Q>; 2], power: &Taylor<N, Q>| [&of[0] * power, &of[1] * power];
+    let power = |of: &[Taylor<N, Q, C>; 2], power: &Taylor<N, Q, C>| [&of[0] * power, &of[1] * power];
     let mut by_coefficients = vec![
         power(&by_numerator, &r2),
         power(&by_numerator, &r4),
@@ -132,7 +135,10 @@ fn polynomial<const N: usize, const Q: usize>(
 /// ```
 ///
 /// h and u are analytic on the axis too, `u' = −2h`.
-fn fisheye<const N: usize, const Q: usize>(p: &[Taylor<N, Q>; 3], k: &[f64; 8]) -> Distorted<N, Q> {
+fn fisheye<const N: usize, const Q: usize, const C: usize>(
+    p: &[Taylor<N, Q, C>; 3],
+    k: &[f64; 8],
+) -> Distorted<N, Q, C> {
     let square = &(&p[0].squared() + &p[1].squared()) + &p[2].squared();
     let (n, mut exists) = square.recip_sqrt();
     let a = [&p[0] * &n, &p[1] * &n, &p[2] * &n];
@@ -149,8 +155,9 @@ fn fisheye<const N: usize, const Q: usize>(p: &[Taylor<N, Q>; 3], k: &[f64; 8]) 
             value: centre.0[order],
             first: centre.0[order + 1],
             half_second: centre.0[order + 2] * 0.5,
+            sixth_third: centre.0[order + 3] * (1.0 / 6.0),
             // The derivatives are of alternating sign and decrease in w.
-            sixth_third: most.0[order + 3].abs() * (1.0 / 6.0 * (1.0 + 1e-9)),
+            fourth: most.0[order + 4].abs() * (1.0 / 24.0 * (1.0 + 1e-9)),
         })
     });
     let u = {
@@ -159,7 +166,8 @@ fn fisheye<const N: usize, const Q: usize>(p: &[Taylor<N, Q>; 3], k: &[f64; 8]) 
             value: θ * θ,
             first: centre.0[0] * -2.0,
             half_second: -centre.0[1],
-            sixth_third: most.0[2].abs() * (1.0 / 3.0 * (1.0 + 1e-9)),
+            sixth_third: centre.0[2] * (-1.0 / 3.0),
+            fourth: most.0[3].abs() * (1.0 / 12.0 * (1.0 + 1e-9)),
         })
     };
     let u2 = u.squared();
@@ -176,7 +184,7 @@ fn fisheye<const N: usize, const Q: usize>(p: &[Taylor<N, Q>; 3], k: &[f64; 8]) 
     let by_point = std::array::from_fn(|row| {
         let radial = &nH + &w_slope;
         let aside = &a[row] * &radial;
-        let mut entries: [Taylor<N, Q>; 3] = std::array::from_fn(|column| -&(&aside * &a[column]));
+        let mut entries: [Taylor<N, Q, C>; 3] = std::array::from_fn(|column| -&(&aside * &a[column]));
         entries[row] = &entries[row] + &nH;
         entries[2] = &entries[2] + &(&a[row] * &n_slope);
         entries
@@ -186,9 +194,9 @@ fn fisheye<const N: usize, const Q: usize>(p: &[Taylor<N, Q>; 3], k: &[f64; 8]) 
     Distorted { point, by_point, by_coefficients, exists }
 }
 
-/// `h(w) = acos(w) / √(1 − w²)` and its first four derivatives: `∫₀^∞ dt / (t² + 2wt + 1)`, so that they alternate in sign and
+/// `h(w) = acos(w) / √(1 − w²)` and its first five derivatives: `∫₀^∞ dt / (t² + 2wt + 1)`, so that they alternate in sign and
 /// decrease in size.
-struct Sines([Lanes; 5]);
+struct Sines([Lanes; 6]);
 
 impl Sines {
     fn at(w: Lanes) -> Self {
@@ -196,22 +204,22 @@ impl Sines {
         Self(std::array::from_fn(|order| Lanes(std::array::from_fn(|lane| columns[lane][order]))))
     }
 
-    fn one(w: f64) -> [f64; 5] {
+    fn one(w: f64) -> [f64; 6] {
         if w > 0.5 { Self::by_series(w) } else { Self::by_recurrence(w) }
     }
 
     /// `₂F₁(1, 1; 3/2; s) = Σ n! / (3/2)_n sⁿ` of `s = (1 − w)/2`.
-    fn by_series(w: f64) -> [f64; 5] {
+    fn by_series(w: f64) -> [f64; 6] {
         let s = 0.5 * (1.0 - w);
-        let mut sums = [0.0; 5];
+        let mut sums = [0.0; 6];
         let mut coefficient = 1.0;
-        let mut powers = [1.0, 0.0, 0.0, 0.0, 0.0];
+        let mut powers = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
         for n in 0..60 {
             if n > 0 {
                 let n = f64::from(n);
                 coefficient *= n / (n + 0.5);
                 // d^k/ds^k of sⁿ from those of sⁿ⁻¹.
-                for k in (1..5).rev() {
+                for k in (1..6).rev() {
                     powers[k] = powers[k] * s + k as f64 * powers[k - 1];
                 }
                 powers[0] *= s;
@@ -224,12 +232,12 @@ impl Sines {
     }
 
     /// `(1 − w²) h⁽ᵏ⁺¹⁾ = (2k + 1) w h⁽ᵏ⁾ + k² h⁽ᵏ⁻¹⁾`, and `(1 − w²) h' = w h − 1`.
-    fn by_recurrence(w: f64) -> [f64; 5] {
+    fn by_recurrence(w: f64) -> [f64; 6] {
         let square = 1.0 - w * w;
-        let mut h = [0.0; 5];
+        let mut h = [0.0; 6];
         h[0] = w.acos() / square.sqrt();
         h[1] = (w * h[0] - 1.0) / square;
-        for k in 1..4 {
+        for k in 1..5 {
             let n = k as f64;
             h[k + 1] = ((2.0 * n + 1.0) * w * h[k] + n * n * h[k - 1]) / square;
         }

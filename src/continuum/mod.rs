@@ -192,18 +192,18 @@ impl<'a> Continuum<'a> {
     /// What the box comes to.
     fn examine(&self, cell: &Cell) -> Found {
         match self.ranges.len() {
-            1 => self.examine_of::<1, 1>(cell),
-            2 => self.examine_of::<2, 3>(cell),
-            3 => self.examine_of::<3, 6>(cell),
-            4 => self.examine_of::<4, 10>(cell),
-            5 => self.examine_of::<5, 15>(cell),
-            6 => self.examine_of::<6, 21>(cell),
-            7 => self.examine_of::<7, 28>(cell),
-            _ => self.examine_of::<8, 36>(cell),
+            1 => self.examine_of::<1, 1, 1>(cell),
+            2 => self.examine_of::<2, 3, 4>(cell),
+            3 => self.examine_of::<3, 6, 10>(cell),
+            4 => self.examine_of::<4, 10, 20>(cell),
+            5 => self.examine_of::<5, 15, 35>(cell),
+            6 => self.examine_of::<6, 21, 56>(cell),
+            7 => self.examine_of::<7, 28, 84>(cell),
+            _ => self.examine_of::<8, 36, 120>(cell),
         }
     }
 
-    fn examine_of<const N: usize, const Q: usize>(&self, cell: &Cell) -> Found {
+    fn examine_of<const N: usize, const Q: usize, const C: usize>(&self, cell: &Cell) -> Found {
         let (centre, half) = (cell.centre(), cell.half_widths());
         let mut sum = Quadratic { c: 0.0, l: [0.0; N], q: [0.0; Q], r: 0.0 };
         let mut moves = [0.0; N];
@@ -211,27 +211,27 @@ impl<'a> Continuum<'a> {
         for (i, scored) in self.scored.iter().enumerate() {
             let Setting { robot, target, .. } = scored.setting;
             let kinematics = Kinematics::new(robot, &target.X_BT, &centre, &half);
-            if scored.sight.excludes::<N, Q>(&kinematics) {
+            if scored.sight.excludes::<N, Q, C>(&kinematics) {
                 if i == 0 {
                     return Found::Empty;
                 }
                 continue;
             }
             if i == 0 {
-                moves = scored.moves::<N, Q>(&kinematics);
+                moves = scored.moves::<N, Q, C>(&kinematics);
             }
             let too_large = Found::Bound { bound: f64::INFINITY, widest: widest(&moves), at_centre: f64::NEG_INFINITY };
             if moves.iter().sum::<f64>() > WORTH {
                 return too_large;
             }
-            match scored.score::<N, Q>(&kinematics) {
+            match scored.score::<N, Q, C>(&kinematics) {
                 Outcome::Empty if i == 0 => return Found::Empty,
                 Outcome::Empty => {}
                 Outcome::TooLarge => return too_large,
                 Outcome::Score(scores) => {
                     sum = sum.plus(1.0, &scores.score);
                     if i == 0 {
-                        limits = scored.sight.limits(&kinematics);
+                        limits = scored.sight.limits::<N, Q, C>(&kinematics);
                         limits.extend(scores.inside);
                     }
                 }
@@ -255,18 +255,18 @@ impl<'a> Scored<'a> {
         Self { root: root(&unpack(y, order)), groups, sight, setting }
     }
 
-    fn score<const N: usize, const Q: usize>(&self, kinematics: &Kinematics) -> Outcome<N, Q> {
+    fn score<const N: usize, const Q: usize, const C: usize>(&self, kinematics: &Kinematics) -> Outcome<N, Q, C> {
         let VisibilityLimits { margin, min_corners, .. } = *self.setting.visibility;
         let counting = Counting { margin, all: min_corners.is_none() };
         score(&self.setting.measurement, &self.groups, counting, &self.root, kinematics)
     }
 
     /// How far each joint moves the board in the picture, roughly, as a share of its distance.
-    fn moves<const N: usize, const Q: usize>(&self, kinematics: &Kinematics) -> [f64; N] {
+    fn moves<const N: usize, const Q: usize, const C: usize>(&self, kinematics: &Kinematics) -> [f64; N] {
         let X_CT = &kinematics.X_CT;
-        let centre = point::<N, Q>(&kinematics.of_board, &Point3::from(X_CT.translation.vector)).slopes();
+        let centre = point::<N, Q, C>(&kinematics.of_board, &Point3::from(X_CT.translation.vector)).slopes();
         let size = self.setting.measurement.corners.iter().map(|p| p.coords.norm()).fold(0.0, f64::max);
-        let normal = direction::<N, Q>(&kinematics.of_board, &(X_CT.rotation * nalgebra::Vector3::x())).slopes();
+        let normal = direction::<N, Q, C>(&kinematics.of_board, &(X_CT.rotation * nalgebra::Vector3::x())).slopes();
         let distance = X_CT.translation.vector.norm();
         std::array::from_fn(|a| (centre[a] + size * normal[a]) / distance)
     }

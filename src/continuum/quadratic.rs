@@ -1,7 +1,6 @@
 //! The greatest value of a quadratic on the cube, from above.
 
-use super::taylor::Taylor;
-use super::twist::place;
+use super::taylor::{ROUNDING, Taylor, place};
 
 /// `c + l·x + Σ_{a≤b} q_ab x_a x_b`, within r, on `x ∈ [−1, 1]ⁿ`.
 #[derive(Debug, Clone, Copy)]
@@ -88,9 +87,14 @@ impl<const N: usize, const Q: usize> Quadratic<N, Q> {
         (0..N).fold(0, |most, a| if sides[a] > sides[most] { a } else { most })
     }
 
-    /// Of the model's lane.
-    pub(super) fn of(model: &Taylor<N, Q>, lane: usize) -> Self {
-        Self { c: model.c.0[lane], l: model.l.map(|l| l.0[lane]), q: model.q.map(|q| q.0[lane]), r: model.r.0[lane] }
+    /// Of the model's lane; its terms of third order go to r.
+    pub(super) fn of<const C: usize>(model: &Taylor<N, Q, C>, lane: usize) -> Self {
+        Self {
+            c: model.c.0[lane],
+            l: model.l.map(|l| l.0[lane]),
+            q: model.q.map(|q| q.0[lane]),
+            r: model.r.0[lane] + model.t.iter().map(|t| t.0[lane].abs()).sum::<f64>() * (1.0 + ROUNDING),
+        }
     }
 
     /// No value on the cube is less, roughly.

@@ -31,17 +31,17 @@ pub(super) struct Group {
 pub(super) struct TooLarge;
 
 /// What a box comes to.
-pub(super) enum Outcome<const N: usize, const Q: usize> {
+pub(super) enum Outcome<const N: usize, const Q: usize, const C: usize> {
     /// No view has its joint values there.
     Empty,
     /// Nothing can be said of one so large.
     TooLarge,
     /// What it is.
-    Score(Box<Scores<N, Q>>),
+    Score(Box<Scores<N, Q, C>>),
 }
 
 /// A bound of the score, and where it is needed.
-pub(super) struct Scores<const N: usize, const Q: usize> {
+pub(super) struct Scores<const N: usize, const Q: usize, const C: usize> {
     /// The score is no greater.
     pub(super) score: Quadratic<N, Q>,
     /// How far inside each of the picture's four sides the corner is that is the nearest to it; of a view none is negative. None
@@ -50,12 +50,12 @@ pub(super) struct Scores<const N: usize, const Q: usize> {
 }
 
 /// The rows of four corners.
-struct Rows<const N: usize, const Q: usize> {
+struct Rows<const N: usize, const Q: usize, const C: usize> {
     /// A L, a column after the other.
-    A: Vec<[Taylor<N, Q>; 2]>,
-    B: [[Taylor<N, Q>; 6]; 2],
+    A: Vec<[Taylor<N, Q, C>; 2]>,
+    B: [[Taylor<N, Q, C>; 6]; 2],
     /// S: xx, xy, yy.
-    S: [Taylor<N, Q>; 3],
+    S: [Taylor<N, Q, C>; 3],
 }
 
 /// The corners, four by four.
@@ -76,29 +76,32 @@ pub(super) struct Counting {
     pub(super) all: bool,
 }
 
-pub(super) fn packed<const N: usize, const Q: usize>(moved: &[Moved<N, Q>; LANES]) -> [Taylor<N, Q>; 3] {
+pub(super) fn packed<const N: usize, const Q: usize, const C: usize>(
+    moved: &[Moved<N, Q, C>; LANES],
+) -> [Taylor<N, Q, C>; 3] {
     std::array::from_fn(|row| {
-        let lanes = |of: &dyn Fn(&Moved<N, Q>) -> f64| Lanes(std::array::from_fn(|lane| of(&moved[lane])));
+        let lanes = |of: &dyn Fn(&Moved<N, Q, C>) -> f64| Lanes(std::array::from_fn(|lane| of(&moved[lane])));
         Taylor::new(
             lanes(&|moved| moved.c[row]),
             std::array::from_fn(|a| lanes(&|moved| moved.l[a][row])),
             std::array::from_fn(|k| lanes(&|moved| moved.q[k][row])),
+            std::array::from_fn(|k| lanes(&|moved| moved.t[k][row])),
             lanes(&|moved| moved.r),
         )
     })
 }
 
 /// `g` over the box that the kinematics are of.
-pub(super) fn score<const N: usize, const Q: usize>(
+pub(super) fn score<const N: usize, const Q: usize, const C: usize>(
     measurement: &Measurement,
     groups: &[Group],
     counting: Counting,
     root: &DMatrix<f64>,
     kinematics: &Kinematics,
-) -> Outcome<N, Q> {
+) -> Outcome<N, Q, C> {
     let rotation = kinematics.X_CT.rotation.to_rotation_matrix();
     let columns = rotation.matrix().column_iter();
-    let axes: Vec<[Taylor<N, Q>; 3]> =
+    let axes: Vec<[Taylor<N, Q, C>; 3]> =
         columns.map(|axis| packed(&[direction(&kinematics.of_board, &axis.into_owned()); LANES])).collect();
     let mut rows = Vec::with_capacity(groups.len());
     let mut inside = [(f64::INFINITY, None); 4];
@@ -147,21 +150,31 @@ pub(super) fn score<const N: usize, const Q: usize>(
         sum = &sum + &(&(&(&S[0] * &squares[0]) + &cross) + &(&S[2] * &squares[2]));
     }
     let first = |lanes: Lanes| Lanes::all(lanes.sum());
-    let all = Taylor::new(first(sum.c), sum.l.map(first), sum.q.map(first), first(sum.norm() * 1e-13 + sum.r));
+    let all = Taylor::new(
+        first(sum.c),
+        sum.l.map(first),
+        sum.q.map(first),
+        sum.t.map(first),
+        first(sum.norm() * 1e-13 + sum.r),
+    );
     let score = Quadratic::of(&all.scaled(measurement.scale()), 0);
     Outcome::Score(Box::new(Scores { score, inside: inside.into_iter().filter_map(|(_, inside)| inside).collect() }))
 }
 
 /// How far inside the picture's four sides a corner is, px.
-fn depths<const N: usize, const Q: usize>(image: &Image<N, Q>, camera: &Camera, margin: f64) -> [Taylor<N, Q>; 4] {
+fn depths<const N: usize, const Q: usize, const C: usize>(
+    image: &Image<N, Q, C>,
+    camera: &Camera,
+    margin: f64,
+) -> [Taylor<N, Q, C>; 4] {
     let [u, v] = &image.pixel;
     let most = |size: u32| f64::from(size) - 1.0 - margin;
     [u.plus(-margin), (-u).plus(most(camera.width())), v.plus(-margin), (-v).plus(most(camera.height()))]
 }
 
 /// Whether the corner is nowhere in the picture.
-fn is_outside<const N: usize, const Q: usize>(
-    image: &Image<N, Q>,
+fn is_outside<const N: usize, const Q: usize, const C: usize>(
+    image: &Image<N, Q, C>,
     lane: usize,
     measurement: &Measurement,
     margin: f64,
@@ -173,16 +186,16 @@ fn is_outside<const N: usize, const Q: usize>(
 }
 
 #[expect(clippy::too_many_arguments, reason = "what the rows depend on")]
-fn rows_of<const N: usize, const Q: usize>(
+fn rows_of<const N: usize, const Q: usize, const C: usize>(
     measurement: &Measurement,
     group: &Group,
     counts: [bool; LANES],
     root: &DMatrix<f64>,
     kinematics: &Kinematics,
-    axes: &[[Taylor<N, Q>; 3]],
-    points: &[Taylor<N, Q>; 3],
-    image: Image<N, Q>,
-) -> Result<Rows<N, Q>, TooLarge> {
+    axes: &[[Taylor<N, Q, C>; 3]],
+    points: &[Taylor<N, Q, C>; 3],
+    image: Image<N, Q, C>,
+) -> Result<Rows<N, Q, C>, TooLarge> {
     let arms = packed(&group.points.map(|p| direction(&kinematics.of_board, &(kinematics.X_CT.rotation * p.coords))));
     let P = &image.by_point;
     let B = [0, 1].map(|row| {
@@ -192,7 +205,7 @@ fn rows_of<const N: usize, const Q: usize>(
         let [a, b, c] = across;
         [a, b, c, P[0], P[1], P[2]]
     });
-    let along = |axis: &[Taylor<N, Q>; 3]| {
+    let along = |axis: &[Taylor<N, Q, C>; 3]| {
         [0, 1].map(|row| &(&(&P[row][0] * &axis[0]) + &(&P[row][1] * &axis[1])) + &(&P[row][2] * &axis[2]))
     };
     let S = precision(measurement, group, counts, &along, axes, points)?;
@@ -221,14 +234,14 @@ fn rows_of<const N: usize, const Q: usize>(
 }
 
 /// `σ² Σ⁻¹` of the corners: see [`NoiseModel`].
-fn precision<const N: usize, const Q: usize>(
+fn precision<const N: usize, const Q: usize, const C: usize>(
     measurement: &Measurement,
     group: &Group,
     counts: [bool; LANES],
-    along: &dyn Fn(&[Taylor<N, Q>; 3]) -> [Taylor<N, Q>; 2],
-    axes: &[[Taylor<N, Q>; 3]],
-    points: &[Taylor<N, Q>; 3],
-) -> Result<[Taylor<N, Q>; 3], TooLarge> {
+    along: &dyn Fn(&[Taylor<N, Q, C>; 3]) -> [Taylor<N, Q, C>; 2],
+    axes: &[[Taylor<N, Q, C>; 3]],
+    points: &[Taylor<N, Q, C>; 3],
+) -> Result<[Taylor<N, Q, C>; 3], TooLarge> {
     let (zero, one) = (Taylor::constant(0.0), Taylor::constant(1.0));
     let NoiseModel::Edges { window, blur } = &measurement.noise.model else { return Ok([one, zero, one]) };
     let features = group.indices.map(|i| &measurement.features[i]);
@@ -281,11 +294,11 @@ fn precision<const N: usize, const Q: usize>(
 
 /// T / 2w of an edge on both sides of a corner, `e⊥e⊥ᵀ/|e| · min(w/|e_x|, w/|e_y|, 1) / w`: instead of the least of the three that
 /// which is the least at the centre of the box, an upper bound beside it.
-fn seen_edge<const N: usize, const Q: usize>(
-    e: &[Taylor<N, Q>; 2],
+fn seen_edge<const N: usize, const Q: usize, const C: usize>(
+    e: &[Taylor<N, Q, C>; 2],
     window: f64,
     counts: [bool; LANES],
-) -> Result<[Taylor<N, Q>; 3], TooLarge> {
+) -> Result<[Taylor<N, Q, C>; 3], TooLarge> {
     let [x, y] = e;
     let is_flat = std::array::from_fn(|lane| x.c.0[lane].abs() >= y.c.0[lane].abs());
     let (longer, shorter) = (x.or(y, is_flat), y.or(x, is_flat));
@@ -317,12 +330,12 @@ fn seen_edge<const N: usize, const Q: usize>(
 }
 
 /// T / 2w of the centre of a circle.
-fn circle<const N: usize, const Q: usize>(
+fn circle<const N: usize, const Q: usize, const C: usize>(
     radius: f64,
     window: f64,
-    edge: &dyn Fn([Vector2<f64>; LANES]) -> [Taylor<N, Q>; 2],
+    edge: &dyn Fn([Vector2<f64>; LANES]) -> [Taylor<N, Q, C>; 2],
     counts: [bool; LANES],
-) -> Result<[Taylor<N, Q>; 3], TooLarge> {
+) -> Result<[Taylor<N, Q, C>; 3], TooLarge> {
     // Opposite points tell the same.
     let points = crate::information::EDGE_POINTS;
     let half = points / 2;
@@ -344,16 +357,19 @@ fn circle<const N: usize, const Q: usize>(
 }
 
 /// Sine of the angle at which two edges meet, at most.
-fn greatest_sine<const N: usize, const Q: usize>([a, b]: &[[Taylor<N, Q>; 2]; 2]) -> Lanes {
+fn greatest_sine<const N: usize, const Q: usize, const C: usize>([a, b]: &[[Taylor<N, Q, C>; 2]; 2]) -> Lanes {
     let area = &(&a[0] * &b[1]) - &(&a[1] * &b[0]);
     let area = area.greatest().zip(-area.least(), f64::max);
-    let squared = |e: &[Taylor<N, Q>; 2]| (&e[0].squared() + &e[1].squared()).least();
+    let squared = |e: &[Taylor<N, Q, C>; 2]| (&e[0].squared() + &e[1].squared()).least();
     let lengths = squared(a).zip(squared(b), |a, b| (a.max(0.0) * b.max(0.0)).sqrt());
     area.zip(lengths, |area, lengths| (area / lengths * (1.0 + 1e-12)).min(1.0))
 }
 
 /// Between which vergences the corners are.
-fn vergence<const N: usize, const Q: usize>(measurement: &Measurement, p: &[Taylor<N, Q>; 3]) -> [[f64; 2]; LANES] {
+fn vergence<const N: usize, const Q: usize, const C: usize>(
+    measurement: &Measurement,
+    p: &[Taylor<N, Q, C>; 3],
+) -> [[f64; 2]; LANES] {
     let [near, far] = if measurement.unknowns.camera.lens().is_fisheye() {
         let square = &(&p[0].squared() + &p[1].squared()) + &p[2].squared();
         [square.least(), square.greatest()].map(|square| square.map(|square| square.max(0.0).sqrt()))
@@ -372,7 +388,10 @@ fn sharpest(blur: &Blur, [least, most]: [f64; 2]) -> f64 {
 }
 
 /// K̂ and its slopes, a column for each of L; `None` if the corners do not determine the pose.
-fn elimination<const N: usize, const Q: usize>(rows: &[Rows<N, Q>], columns: usize) -> Option<Vec<[Affine<N>; 6]>> {
+fn elimination<const N: usize, const Q: usize, const C: usize>(
+    rows: &[Rows<N, Q, C>],
+    columns: usize,
+) -> Option<Vec<[Affine<N>; 6]>> {
     let mut normal = Matrix6::zeros();
     let mut right = vec![Vector6::zeros(); columns];
     for Rows { A, B, S } in rows {

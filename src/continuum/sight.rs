@@ -35,23 +35,23 @@ impl Sight {
     }
 
     /// Whether no joint values of the box that the kinematics are of see the board.
-    pub(super) fn excludes<const N: usize, const Q: usize>(&self, kinematics: &Kinematics) -> bool {
+    pub(super) fn excludes<const N: usize, const Q: usize, const C: usize>(&self, kinematics: &Kinematics) -> bool {
         let X_CT = &kinematics.X_CT;
-        let normal: Moved<N, Q> = direction(&kinematics.of_board, &(X_CT.rotation * Vector3::z()));
+        let normal: Moved<N, Q, C> = direction(&kinematics.of_board, &(X_CT.rotation * Vector3::z()));
         // The cosine of the tilt.
         if -normal.least(&Vector3::z()) < self.limits.max_tilt.cos() {
             return true;
         }
         if let Some(frustum) = &self.frustum {
             let is_outside = |p: &Point3<f64>| {
-                let p: Moved<N, Q> = point(&kinematics.of_board, &(X_CT * p));
+                let p: Moved<N, Q, C> = point(&kinematics.of_board, &(X_CT * p));
                 frustum.sides().iter().any(|side| p.greatest(side) < 0.0)
             };
             if self.required.iter().any(is_outside) {
                 return true;
             }
         }
-        let camera: Moved<N, Q> = point(&kinematics.of_camera, &Point3::from(X_CT.inverse().translation.vector));
+        let camera: Moved<N, Q, C> = point(&kinematics.of_camera, &Point3::from(X_CT.inverse().translation.vector));
         // The height above the board's plane, and the distance from its centre.
         let height = camera.greatest(&Vector3::z());
         if height <= 0.0 {
@@ -66,7 +66,7 @@ impl Sight {
             return true;
         }
         self.zone.as_ref().is_some_and(|zone| {
-            let axis: Moved<N, Q> = direction(&kinematics.of_camera, &(X_CT.rotation.inverse() * Vector3::z()));
+            let axis: Moved<N, Q, C> = direction(&kinematics.of_camera, &(X_CT.rotation.inverse() * Vector3::z()));
             misses(&camera, &axis, zone)
         })
     }
@@ -87,12 +87,15 @@ impl Frustum {
 
 impl Sight {
     /// What of the limits can be written as `h(q) ≥ 0` at every view, over the box.
-    pub(super) fn limits<const N: usize, const Q: usize>(&self, kinematics: &Kinematics) -> Vec<Quadratic<N, Q>> {
+    pub(super) fn limits<const N: usize, const Q: usize, const C: usize>(
+        &self,
+        kinematics: &Kinematics,
+    ) -> Vec<Quadratic<N, Q>> {
         let X_CT = &kinematics.X_CT;
-        let camera: Moved<N, Q> = point(&kinematics.of_camera, &Point3::from(X_CT.inverse().translation.vector));
-        let axis: Moved<N, Q> = direction(&kinematics.of_camera, &(X_CT.rotation.inverse() * Vector3::z()));
+        let camera: Moved<N, Q, C> = point(&kinematics.of_camera, &Point3::from(X_CT.inverse().translation.vector));
+        let axis: Moved<N, Q, C> = direction(&kinematics.of_camera, &(X_CT.rotation.inverse() * Vector3::z()));
         let mut limits = Vec::new();
-        let all = |of: &Moved<N, Q>, row: usize, factor: f64| model(of, [row; LANES], [factor; LANES]);
+        let all = |of: &Moved<N, Q, C>, row: usize, factor: f64| model(of, [row; LANES], [factor; LANES]);
         // The axis falls on the board by no more than the tilt, which is the zone's condition on it too.
         let fall = all(&axis, 2, -1.0);
         limits.push(Quadratic::of(&fall.plus(-self.limits.max_tilt.cos()), 0));
@@ -123,7 +126,11 @@ fn outermost(corners: &[Point3<f64>]) -> Vec<Point3<f64>> {
 }
 
 /// Whether the axes from `camera` along `axis`, in T, all miss the zone.
-fn misses<const N: usize, const Q: usize>(camera: &Moved<N, Q>, axis: &Moved<N, Q>, zone: &Zone) -> bool {
+fn misses<const N: usize, const Q: usize, const C: usize>(
+    camera: &Moved<N, Q, C>,
+    axis: &Moved<N, Q, C>,
+    zone: &Zone,
+) -> bool {
     // Downward, and the camera above: then `x fall + a_x z` is where the axis meets the plane, times fall.
     if axis.least(&Vector3::z()) >= 0.0 {
         return true;
@@ -132,7 +139,11 @@ fn misses<const N: usize, const Q: usize>(camera: &Moved<N, Q>, axis: &Moved<N, 
 }
 
 /// How far inside each of the zone's four sides the axis meets the plane, times its fall.
-fn inside<const N: usize, const Q: usize>(camera: &Moved<N, Q>, axis: &Moved<N, Q>, zone: &Zone) -> Taylor<N, Q> {
+fn inside<const N: usize, const Q: usize, const C: usize>(
+    camera: &Moved<N, Q, C>,
+    axis: &Moved<N, Q, C>,
+    zone: &Zone,
+) -> Taylor<N, Q, C> {
     let sides = [1.0, -1.0, 1.0, -1.0];
     let across = [0, 0, 1, 1];
     let (fall, height) = (model(axis, [2; LANES], [-1.0; LANES]), model(camera, [2; LANES], [1.0; LANES]));
@@ -142,20 +153,20 @@ fn inside<const N: usize, const Q: usize>(camera: &Moved<N, Q>, axis: &Moved<N, 
 }
 
 /// Coordinates of a vector, a factor times each.
-fn model<const N: usize, const Q: usize>(
-    of: &Moved<N, Q>,
+fn model<const N: usize, const Q: usize, const C: usize>(
+    of: &Moved<N, Q, C>,
     rows: [usize; LANES],
     factors: [f64; LANES],
-) -> Taylor<N, Q> {
+) -> Taylor<N, Q, C> {
     let lanes = |v: &Vector3<f64>| Lanes(std::array::from_fn(|lane| factors[lane] * v[rows[lane]]));
     let r = Lanes(factors.map(|factor| of.r * factor.abs()));
-    Taylor::new(lanes(&of.c), of.l.each_ref().map(lanes), of.q.each_ref().map(lanes), r)
+    Taylor::new(lanes(&of.c), of.l.each_ref().map(lanes), of.q.each_ref().map(lanes), of.t.each_ref().map(lanes), r)
 }
 
-impl<const N: usize, const Q: usize> Moved<N, Q> {
+impl<const N: usize, const Q: usize, const C: usize> Moved<N, Q, C> {
     /// How far `along · v` can be from its centre.
     fn spread(&self, along: &Vector3<f64>) -> f64 {
-        let terms = self.l.iter().chain(&self.q);
+        let terms = self.l.iter().chain(&self.q).chain(&self.t);
         let spread: f64 = terms.map(|v| along.dot(v).abs()).sum();
         spread + (self.r + ROUNDING * self.c.norm()) * along.norm() * (1.0 + ROUNDING)
     }
@@ -173,7 +184,7 @@ impl<const N: usize, const Q: usize> Moved<N, Q> {
         let length = self.c.norm();
         let along = if length > 0.0 { self.c / length } else { Vector3::z() };
         let near = self.least(&along).max(0.0);
-        let moved: f64 = self.l.iter().chain(&self.q).map(|v| v.norm()).sum::<f64>() + self.r;
+        let moved: f64 = self.l.iter().chain(&self.q).chain(&self.t).map(|v| v.norm()).sum::<f64>() + self.r;
         [near, length + moved + ROUNDING * length]
     }
 

@@ -1,13 +1,13 @@
-//! Taylor models of the second order: functions of a box of joint values, enclosed.
+//! Taylor models of the third order: functions of a box of joint values, enclosed.
 //!
 //! Over the box, `x ∈ [−1, 1]ⁿ` from its centre,
 //!
 //! ```text
-//!     f(x) = c + Σ_a l_a x_a + Σ_{a≤b} q_ab x_a x_b + [−r, r]
+//!     f(x) = c + Σ_a l_a x_a + Σ_{a≤b} q_ab x_a x_b + Σ_{a≤b≤c} t_abc x_a x_b x_c + [−r, r]
 //! ```
 //!
-//! for **every** x. What arithmetic on the polynomials leaves out, terms of third order and more and its own rounding, goes to r. So
-//! cancellation in sums is exact but for the third order, where interval arithmetic would lose it in the first.
+//! for **every** x. What arithmetic on the polynomials leaves out, terms of fourth order and more and its own rounding, goes to r. So
+//! cancellation in sums is exact but for the fourth order, where interval arithmetic would lose it in the first.
 //!
 //! Makino and Berz, *Taylor models and other validated functional inclusion methods*, 2003.
 
@@ -15,18 +15,22 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 use super::lanes::{LANES, Lanes};
 
-/// Four Taylor models of N variables with Q = N (N + 1) / 2 products of two of them.
+/// Four Taylor models of N variables with Q = N (N + 1) / 2 products of two of them and C = Q (N + 2) / 3 of three.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Taylor<const N: usize, const Q: usize> {
+pub(super) struct Taylor<const N: usize, const Q: usize, const C: usize> {
     pub(super) c: Lanes,
     pub(super) l: [Lanes; N],
     /// Of `x_a x_b`, a ≤ b, row by row.
     pub(super) q: [Lanes; Q],
+    /// Of `x_a x_b x_c`, a ≤ b ≤ c, in the order of a, b, c.
+    pub(super) t: [Lanes; C],
     pub(super) r: Lanes,
     /// `Σ |l_a|`.
     linear: Lanes,
     /// `Σ |q_ab|`.
     quadratic: Lanes,
+    /// `Σ |t_abc|`.
+    cubic: Lanes,
 }
 
 /// A model all of whose terms but the first two are zero.
@@ -40,38 +44,97 @@ pub(super) struct Affine<const N: usize> {
 /// coefficient is a sum of at most four products, a norm one of at most fifty terms.
 pub(super) const ROUNDING: f64 = 1e-13;
 
-/// A function's Taylor coefficients at the centre of a range, and a bound of the third over the range.
+/// A function's Taylor coefficients at the centre of a range, and a bound of the fourth over the range.
 pub(super) struct Expansion {
     pub(super) value: Lanes,
     pub(super) first: Lanes,
     pub(super) half_second: Lanes,
     pub(super) sixth_third: Lanes,
+    /// A 24th of the greatest fourth derivative.
+    pub(super) fourth: Lanes,
 }
 
-impl<const N: usize, const Q: usize> Taylor<N, Q> {
+/// Place of `x_a x_b` among the products of two of n variables.
+pub(super) const fn place(n: usize, a: usize, b: usize) -> usize {
+    let (a, b) = if a < b { (a, b) } else { (b, a) };
+    a * n - a * (a + 1) / 2 + b
+}
+
+/// Place of `x_a x_b x_c` among the products of three: behind those whose first is another, as those of two of the variables left.
+pub(super) const fn place_of_three(n: usize, a: usize, b: usize, c: usize) -> usize {
+    let least = if a <= b && a <= c {
+        a
+    } else if b <= c {
+        b
+    } else {
+        c
+    };
+    let (mut b, c) = if least == a {
+        (b, c)
+    } else if least == b {
+        (a, c)
+    } else {
+        (a, b)
+    };
+    let mut place_before = 0;
+    let mut first = 0;
+    while first < least {
+        let left = n - first;
+        place_before += left * (left + 1) / 2;
+        first += 1;
+    }
+    b -= least;
+    place_before + place(n - least, b, c - least)
+}
+
+/// For each variable and each product of two the place of the product of all three.
+const fn places<const N: usize, const Q: usize>() -> [[usize; Q]; N] {
+    let mut places = [[0; Q]; N];
+    let mut a = 0;
+    while a < N {
+        let (mut k, mut b) = (0, 0);
+        while b < N {
+            let mut c = b;
+            while c < N {
+                places[a][k] = place_of_three(N, a, b, c);
+                k += 1;
+                c += 1;
+            }
+            b += 1;
+        }
+        a += 1;
+    }
+    places
+}
+
+impl<const N: usize, const Q: usize, const C: usize> Taylor<N, Q, C> {
+    const PLACES: [[usize; Q]; N] = places::<N, Q>();
+
     #[inline]
-    pub(super) fn new(c: Lanes, l: [Lanes; N], q: [Lanes; Q], r: Lanes) -> Self {
-        let linear = l.iter().fold(Lanes::ZERO, |sum, l| sum + l.abs());
-        let quadratic = q.iter().fold(Lanes::ZERO, |sum, q| sum + q.abs());
-        Self { c, l, q, r, linear, quadratic }
+    pub(super) fn new(c: Lanes, l: [Lanes; N], q: [Lanes; Q], t: [Lanes; C], r: Lanes) -> Self {
+        let norm = |of: &[Lanes]| of.iter().fold(Lanes::ZERO, |sum, x| sum + x.abs());
+        Self { c, l, q, t, r, linear: norm(&l), quadratic: norm(&q), cubic: norm(&t) }
     }
 
     #[inline]
     pub(super) fn constant(c: f64) -> Self {
+        let zero = Lanes::ZERO;
         Self {
             c: Lanes::all(c),
-            l: [Lanes::ZERO; N],
-            q: [Lanes::ZERO; Q],
-            r: Lanes::ZERO,
-            linear: Lanes::ZERO,
-            quadratic: Lanes::ZERO,
+            l: [zero; N],
+            q: [zero; Q],
+            t: [zero; C],
+            r: zero,
+            linear: zero,
+            quadratic: zero,
+            cubic: zero,
         }
     }
 
     /// How far it can be from c.
     #[inline]
     pub(super) fn spread(&self) -> Lanes {
-        self.linear + self.quadratic + self.r
+        self.linear + self.quadratic + self.cubic + self.r
     }
 
     /// A bound of |f|.
@@ -92,130 +155,165 @@ impl<const N: usize, const Q: usize> Taylor<N, Q> {
         self.c + self.spread() + self.norm() * ROUNDING
     }
 
-    #[inline]
     pub(super) fn scaled(&self, factor: f64) -> Self {
         self.scaled_by(Lanes::all(factor))
     }
 
-    #[inline]
     pub(super) fn scaled_by(&self, factor: Lanes) -> Self {
         let size = factor.abs();
         Self {
             c: self.c * factor,
             l: self.l.map(|l| l * factor),
             q: self.q.map(|q| q * factor),
+            t: self.t.map(|t| t * factor),
             r: (self.r + self.norm() * ROUNDING) * size,
             linear: self.linear * size,
             quadratic: self.quadratic * size,
+            cubic: self.cubic * size,
         }
     }
 
-    #[inline]
     pub(super) fn plus(&self, constant: f64) -> Self {
         let rounding = (self.c.abs() + Lanes::all(constant.abs())) * ROUNDING;
         Self { c: self.c + Lanes::all(constant), r: self.r + rounding, ..*self }
     }
 
-    #[inline]
     pub(super) fn squared(&self) -> Self {
         let two_c = self.c * 2.0;
-        let mut q = [Lanes::ZERO; Q];
+        let q = self.q.map(|q| two_c * q);
+        let t = self.t.map(|t| two_c * t);
+        let (q, t) = self.with_products(self, q, t, true);
+        Self::new(self.c * self.c, self.l.map(|l| two_c * l), q, t, self.remainder(self))
+    }
+
+    /// Adds the products of the linear terms, and of the linear and the quadratic.
+    #[inline(always)]
+    fn with_products(
+        &self,
+        other: &Self,
+        mut q: [Lanes; Q],
+        mut t: [Lanes; C],
+        is_square: bool,
+    ) -> ([Lanes; Q], [Lanes; C]) {
         let mut k = 0;
         for a in 0..N {
-            q[k] = two_c * self.q[k] + self.l[a] * self.l[a];
+            q[k] += self.l[a] * other.l[a];
             k += 1;
-            let two_l = self.l[a] * 2.0;
             for b in a + 1..N {
-                q[k] = two_c * self.q[k] + two_l * self.l[b];
+                q[k] += if is_square {
+                    self.l[a] * other.l[b] * 2.0
+                } else {
+                    self.l[a] * other.l[b] + self.l[b] * other.l[a]
+                };
                 k += 1;
             }
+            let two_l = self.l[a] * 2.0;
+            for (j, &place) in Self::PLACES[a].iter().enumerate() {
+                t[place] +=
+                    if is_square { two_l * other.q[j] } else { self.l[a] * other.q[j] + self.q[j] * other.l[a] };
+            }
         }
-        Self::new(self.c * self.c, self.l.map(|l| two_c * l), q, self.remainder(self))
+        (q, t)
     }
 
-    /// What the product of the two has beside the polynomial of second order.
+    /// What the product of the two has beside the polynomial of third order.
     #[inline]
     fn remainder(&self, other: &Self) -> Lanes {
-        let (mine, others) = (self.quadratic + self.r, other.quadratic + other.r);
-        let third = self.linear * others + mine * other.linear + mine * others;
+        let (mine, others) = (self.cubic + self.r, other.cubic + other.r);
+        let fourth = self.linear * others
+            + mine * other.linear
+            + self.quadratic * (other.quadratic + others)
+            + mine * (other.quadratic + others);
         let first = self.c.abs() * other.r + self.r * other.c.abs();
-        (third + first) * (1.0 + ROUNDING) + self.norm() * other.norm() * ROUNDING
+        (fourth + first) * (1.0 + ROUNDING) + self.norm() * other.norm() * ROUNDING
     }
 
-    /// Sum of the products with affine functions that are the same in all four.
-    #[inline]
+    /// Less the products with affine functions that are the same in all four.
     pub(super) fn minus_products<const M: usize>(&self, of: &[Self; M], with: &[Affine<N>; M]) -> Self {
-        let Self { mut c, mut l, mut q, mut r, .. } = *self;
+        let Self { mut c, mut l, mut q, mut t, mut r, .. } = *self;
         let mut size = self.norm();
         for (model, affine) in of.iter().zip(with) {
             c = c - model.c * affine.c;
             for (a, l) in l.iter_mut().enumerate() {
                 *l = *l - (model.l[a] * affine.c + model.c * affine.l[a]);
             }
+            for (t, own) in t.iter_mut().zip(&model.t) {
+                *t = *t - *own * affine.c;
+            }
             let mut k = 0;
             for a in 0..N {
-                q[k] = q[k] - (model.q[k] * affine.c + model.l[a] * affine.l[a]);
+                let slope = affine.l[a];
+                q[k] = q[k] - (model.q[k] * affine.c + model.l[a] * slope);
                 k += 1;
                 for b in a + 1..N {
-                    q[k] = q[k] - (model.q[k] * affine.c + (model.l[a] * affine.l[b] + model.l[b] * affine.l[a]));
+                    q[k] = q[k] - (model.q[k] * affine.c + (model.l[a] * affine.l[b] + model.l[b] * slope));
                     k += 1;
+                }
+                for (j, &place) in Self::PLACES[a].iter().enumerate() {
+                    t[place] = t[place] - model.q[j] * slope;
                 }
             }
             let slope: f64 = affine.l.iter().map(|l| l.abs()).sum();
             let norm = affine.c.abs() + slope;
-            r += (model.quadratic * slope + model.r * norm) * (1.0 + ROUNDING);
+            r += (model.cubic * slope + model.r * norm) * (1.0 + ROUNDING);
             size += model.norm() * norm;
         }
-        Self::new(c, l, q, r + size * ROUNDING)
+        Self::new(c, l, q, t, r + size * ROUNDING)
     }
 
     /// Linear combination.
-    #[inline]
     pub(super) fn sum<'a>(terms: impl IntoIterator<Item = (f64, &'a Self)>) -> Self {
-        let (mut c, mut l, mut q) = (Lanes::ZERO, [Lanes::ZERO; N], [Lanes::ZERO; Q]);
-        let (mut r, mut size) = (Lanes::ZERO, Lanes::ZERO);
+        let Self { mut c, mut l, mut q, mut t, mut r, .. } = Self::constant(0.0);
+        let mut size = Lanes::ZERO;
         for (factor, model) in terms {
             if factor == 0.0 {
                 continue;
             }
             c += model.c * factor;
-            for (l, other) in l.iter_mut().zip(&model.l) {
-                *l += *other * factor;
-            }
-            for (q, other) in q.iter_mut().zip(&model.q) {
-                *q += *other * factor;
-            }
+            let add = |sums: &mut [Lanes], of: &[Lanes]| {
+                for (sum, other) in sums.iter_mut().zip(of) {
+                    *sum += *other * factor;
+                }
+            };
+            add(&mut l, &model.l);
+            add(&mut q, &model.q);
+            add(&mut t, &model.t);
             r += model.r * factor.abs();
             size += model.norm() * factor.abs();
         }
-        Self::new(c, l, q, r + size * ROUNDING)
+        Self::new(c, l, q, t, r + size * ROUNDING)
     }
 
     /// `f(model)` by the expansion of f about the model's c.
-    #[inline]
     pub(super) fn through(&self, f: &Expansion) -> Self {
-        let mut q = [Lanes::ZERO; Q];
-        let mut k = 0;
+        // d = f − c without what goes to the remainder; d² and d³ to the third order.
+        let d = Self { c: Lanes::ZERO, ..*self };
+        let square = d.squared();
+        let mut cube = [Lanes::ZERO; C];
         for a in 0..N {
-            q[k] = f.first * self.q[k] + f.half_second * (self.l[a] * self.l[a]);
-            k += 1;
-            let two_l = self.l[a] * 2.0;
-            for b in a + 1..N {
-                q[k] = f.first * self.q[k] + f.half_second * (two_l * self.l[b]);
-                k += 1;
+            for (j, &place) in Self::PLACES[a].iter().enumerate() {
+                cube[place] += self.l[a] * square.q[j];
             }
         }
-        let beyond = self.quadratic + self.r;
-        let spread = self.linear + beyond;
+        let q = std::array::from_fn(|k| f.first * self.q[k] + f.half_second * square.q[k]);
+        let t = std::array::from_fn(|k| f.first * self.t[k] + (f.half_second * square.t[k] + f.sixth_third * cube[k]));
+        let beyond = self.quadratic + self.cubic + self.r;
+        let (linear, spread) = (self.linear, self.linear + beyond);
+        // (l + b)³ − l³ = b (3 l² + 3 l b + b²).
+        let of_cube = beyond * (linear * linear * 3.0 + linear * beyond * 3.0 + beyond * beyond);
+        let spread2 = spread * spread;
         let r = f.first.abs() * self.r
-            + f.half_second.abs() * (self.linear * beyond * 2.0 + beyond * beyond)
-            + f.sixth_third * (spread * spread * spread);
-        let size = f.value.abs() + f.first.abs() * spread + f.half_second.abs() * (spread * spread);
-        Self::new(f.value, self.l.map(|l| f.first * l), q, r * (1.0 + ROUNDING) + size * ROUNDING)
+            + f.half_second.abs() * square.r
+            + f.sixth_third.abs() * of_cube
+            + f.fourth * (spread2 * spread2);
+        let size = f.value.abs()
+            + f.first.abs() * spread
+            + f.half_second.abs() * spread2
+            + f.sixth_third.abs() * (spread2 * spread);
+        Self::new(f.value, self.l.map(|l| f.first * l), q, t, r * (1.0 + ROUNDING) + size * ROUNDING)
     }
 
     /// `1/f`, and where it is one: f has no zero.
-    #[inline]
     pub(super) fn recip(&self) -> (Self, [bool; LANES]) {
         let least = self.c.abs() - self.spread() - self.norm() * ROUNDING;
         let exists = least.0.map(|least| least > 0.0);
@@ -226,13 +324,13 @@ impl<const N: usize, const Q: usize> Taylor<N, Q> {
             value: inverse,
             first: -square,
             half_second: square * inverse,
-            sixth_third: (greatest * greatest) * (greatest * greatest),
+            sixth_third: -(square * square),
+            fourth: (greatest * greatest) * (greatest * greatest) * greatest,
         };
         (self.through(&expansion), exists)
     }
 
     /// `1/√f`, and where it is one: f is positive.
-    #[inline]
     pub(super) fn recip_sqrt(&self) -> (Self, [bool; LANES]) {
         let least = self.least();
         let exists = least.0.map(|least| least > 0.0);
@@ -244,7 +342,8 @@ impl<const N: usize, const Q: usize> Taylor<N, Q> {
             value: root,
             first: root * inverse * -0.5,
             half_second: root * inverse * inverse * 0.375,
-            sixth_third: cube * cube * greatest * 0.3125,
+            sixth_third: root * inverse * inverse * inverse * -0.3125,
+            fourth: cube * cube * cube * (35.0 / 128.0),
         };
         (self.through(&expansion), exists)
     }
@@ -255,62 +354,55 @@ impl<const N: usize, const Q: usize> Taylor<N, Q> {
             c: self.c.or(other.c, holds),
             l: std::array::from_fn(|a| self.l[a].or(other.l[a], holds)),
             q: std::array::from_fn(|k| self.q[k].or(other.q[k], holds)),
+            t: std::array::from_fn(|k| self.t[k].or(other.t[k], holds)),
             r: self.r.or(other.r, holds),
             linear: self.linear.or(other.linear, holds),
             quadratic: self.quadratic.or(other.quadratic, holds),
+            cubic: self.cubic.or(other.cubic, holds),
         }
     }
 }
 
-impl<const N: usize, const Q: usize> Add for &Taylor<N, Q> {
-    type Output = Taylor<N, Q>;
+impl<const N: usize, const Q: usize, const C: usize> Add for &Taylor<N, Q, C> {
+    type Output = Taylor<N, Q, C>;
 
-    #[inline]
-    fn add(self, other: Self) -> Taylor<N, Q> {
+    fn add(self, other: Self) -> Taylor<N, Q, C> {
         let l = std::array::from_fn(|a| self.l[a] + other.l[a]);
         let q = std::array::from_fn(|k| self.q[k] + other.q[k]);
+        let t = std::array::from_fn(|k| self.t[k] + other.t[k]);
         let r = self.r + other.r + (self.norm() + other.norm()) * ROUNDING;
-        Taylor::new(self.c + other.c, l, q, r)
+        Taylor::new(self.c + other.c, l, q, t, r)
     }
 }
 
-impl<const N: usize, const Q: usize> Sub for &Taylor<N, Q> {
-    type Output = Taylor<N, Q>;
+impl<const N: usize, const Q: usize, const C: usize> Sub for &Taylor<N, Q, C> {
+    type Output = Taylor<N, Q, C>;
 
-    #[inline]
-    fn sub(self, other: Self) -> Taylor<N, Q> {
+    fn sub(self, other: Self) -> Taylor<N, Q, C> {
         let l = std::array::from_fn(|a| self.l[a] - other.l[a]);
         let q = std::array::from_fn(|k| self.q[k] - other.q[k]);
+        let t = std::array::from_fn(|k| self.t[k] - other.t[k]);
         let r = self.r + other.r + (self.norm() + other.norm()) * ROUNDING;
-        Taylor::new(self.c - other.c, l, q, r)
+        Taylor::new(self.c - other.c, l, q, t, r)
     }
 }
 
-impl<const N: usize, const Q: usize> Neg for &Taylor<N, Q> {
-    type Output = Taylor<N, Q>;
+impl<const N: usize, const Q: usize, const C: usize> Neg for &Taylor<N, Q, C> {
+    type Output = Taylor<N, Q, C>;
 
-    #[inline]
-    fn neg(self) -> Taylor<N, Q> {
-        Taylor { c: -self.c, l: self.l.map(|l| -l), q: self.q.map(|q| -q), ..*self }
+    fn neg(self) -> Taylor<N, Q, C> {
+        Taylor { c: -self.c, l: self.l.map(|l| -l), q: self.q.map(|q| -q), t: self.t.map(|t| -t), ..*self }
     }
 }
 
-impl<const N: usize, const Q: usize> Mul for &Taylor<N, Q> {
-    type Output = Taylor<N, Q>;
+impl<const N: usize, const Q: usize, const C: usize> Mul for &Taylor<N, Q, C> {
+    type Output = Taylor<N, Q, C>;
 
-    #[inline]
-    fn mul(self, other: Self) -> Taylor<N, Q> {
+    fn mul(self, other: Self) -> Taylor<N, Q, C> {
         let l = std::array::from_fn(|a| self.c * other.l[a] + self.l[a] * other.c);
-        let mut q = [Lanes::ZERO; Q];
-        let mut k = 0;
-        for a in 0..N {
-            q[k] = self.c * other.q[k] + self.q[k] * other.c + self.l[a] * other.l[a];
-            k += 1;
-            for b in a + 1..N {
-                q[k] = self.c * other.q[k] + self.q[k] * other.c + (self.l[a] * other.l[b] + self.l[b] * other.l[a]);
-                k += 1;
-            }
-        }
-        Taylor::new(self.c * other.c, l, q, self.remainder(other))
+        let q = std::array::from_fn(|k| self.c * other.q[k] + self.q[k] * other.c);
+        let t = std::array::from_fn(|k| self.c * other.t[k] + self.t[k] * other.c);
+        let (q, t) = self.with_products(other, q, t, false);
+        Taylor::new(self.c * other.c, l, q, t, self.remainder(other))
     }
 }

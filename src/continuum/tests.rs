@@ -313,14 +313,22 @@ fn closes_on_the_servosila() {
 }
 
 /// The polynomial at x, lane by lane, and the remainder.
-fn at<const N: usize, const Q: usize>(model: &taylor::Taylor<N, Q>, x: &[f64; N], lane: usize) -> (f64, f64) {
+fn at<const N: usize, const Q: usize, const C: usize>(
+    model: &taylor::Taylor<N, Q, C>,
+    x: &[f64; N],
+    lane: usize,
+) -> (f64, f64) {
     let mut value = model.c.0[lane];
-    let mut k = 0;
+    let (mut k, mut third) = (0, 0);
     for a in 0..N {
         value += model.l[a].0[lane] * x[a];
         for b in a..N {
             value += model.q[k].0[lane] * x[a] * x[b];
             k += 1;
+            for c in b..N {
+                value += model.t[third].0[lane] * x[a] * x[b] * x[c];
+                third += 1;
+            }
         }
     }
     (value, model.r.0[lane])
@@ -340,7 +348,7 @@ fn images_are_within_their_models() {
             let half = [(); 4].map(|()| random.gen_range(0.001..0.05));
             let kinematics = Kinematics::new(&problem.robot, &problem.target.X_BT, q, &half);
             let corners: Vec<Point3<f64>> = problem.target.board.corners().take(4).collect();
-            let points = score::packed::<4, 10>(&std::array::from_fn(|i| {
+            let points = score::packed::<4, 10, 20>(&std::array::from_fn(|i| {
                 point(&kinematics.of_board, &(kinematics.X_CT * corners[i]))
             }));
             let image = image::image(&problem.camera, &points);
@@ -350,7 +358,7 @@ fn images_are_within_their_models() {
                 let X_CT = problem.robot.camera_pose(&q).inverse() * problem.target.X_BT;
                 for lane in 0..4 {
                     let p = X_CT * corners[lane];
-                    let near = |model: &taylor::Taylor<4, 10>, value: f64, what: &str| {
+                    let near = |model: &taylor::Taylor<4, 10, 20>, value: f64, what: &str| {
                         let (found, r) = at(model, &x, lane);
                         assert!((found - value).abs() <= r, "{name}, {what}: {found} ± {r}, {value}");
                     };
@@ -415,17 +423,56 @@ fn scores_are_below_their_models() {
             let q = &views[random.gen_range(0..views.len())];
             let half = [(); 4].map(|()| random.gen_range(0.001..0.01));
             let kinematics = Kinematics::new(&problem.robot, &problem.target.X_BT, q, &half);
-            let Outcome::Score(scores) = scored.score::<4, 10>(&kinematics) else { continue };
+            let Outcome::Score(scores) = scored.score::<4, 10, 20>(&kinematics) else { continue };
             for _ in 0..20 {
                 let x = [(); 4].map(|()| random.gen_range(-1.0..=1.0));
                 let moved: Vec<f64> = (0..4).map(|a| q[a] + half[a] * x[a]).collect();
                 let Some(score) = scorer.score(&moved) else { continue };
                 let model = scores.score.at(&x);
                 assert!(score <= model + scores.score.r, "{name}: {score} {model} {}", scores.score.r);
-                for limit in scores.inside.iter().chain(&scored.sight.limits(&kinematics)) {
+                for limit in scores.inside.iter().chain(&scored.sight.limits::<4, 10, 20>(&kinematics)) {
                     assert!(limit.at(&x) + limit.r >= 0.0, "{name}: {} {}", limit.at(&x), limit.r);
                 }
             }
+        }
+    }
+}
+
+#[test]
+#[ignore = "a measurement"]
+fn where_bounds_lose() {
+    let problem = servosila(&[]);
+    let (y, views) = certified(&problem, 10);
+    let scorer = Scorer::new(&problem, &y);
+    let scored = Scored::new(setting(&problem), &y);
+    let random = &mut Xoshiro256PlusPlus::seed_from_u64(9);
+    for half in [0.25f64, 0.5, 1.0, 2.0, 4.0] {
+        let half = [half.to_radians(); 4];
+        for _ in 0..6 {
+            let q = &views[random.gen_range(0..views.len())];
+            let kinematics = Kinematics::new(&problem.robot, &problem.target.X_BT, q, &half);
+            let Outcome::Score(scores) = scored.score::<4, 10, 20>(&kinematics) else { continue };
+            let mut gap = 0.0f64;
+            let mut least = 0.0f64;
+            for _ in 0..200 {
+                let x = [(); 4].map(|()| [-1.0, 1.0][random.gen_range(0..2)]);
+                let moved: Vec<f64> = (0..4).map(|a| q[a] + half[a] * x[a]).collect();
+                let X_CT = problem.robot.camera_pose(&moved).inverse() * problem.target.X_BT;
+                let Some(M) = scorer.measurement.information(&X_CT, &crate::target::Corners::All) else { continue };
+                let score = dot(&scorer.dual, &M);
+                gap = gap.max(scores.score.at(&x) - score);
+                least = least.min(scores.score.at(&x) - score);
+            }
+            let c = scores.score.c;
+            println!(
+                "{:.2}° c {:.4} greatest {:.3} r {:.3} polynomial − score {:.3} {:.3}",
+                half[0].to_degrees(),
+                c,
+                scores.score.greatest() / c,
+                scores.score.r / c,
+                gap / c,
+                least / c
+            );
         }
     }
 }

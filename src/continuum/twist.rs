@@ -7,11 +7,12 @@
 //!     p(d) = E_1 E_2 … E_m p        E_a = exp(d_a ξ_a)
 //! ```
 //!
-//! outermost stage first, so that `∂³p = ξ_a ξ_b ξ_c (E_{c+1} … E_m p)` up to turns, for a, b, c in this order: no longer than
-//! `|ω_a| |ω_b|` times how fast c moves the point. Summed over all thirds it is the remainder, no interval arithmetic needed.
+//! outermost stage first, so that `∂⁴p = ξ_a ξ_b ξ_c ξ_d (E_{d+1} … E_m p)` up to turns, for a, b, c, d in this order: no longer than
+//! `|ω_a| |ω_b| |ω_c|` times how fast d moves the point. Summed over all fourths it is the remainder, no interval arithmetic needed.
 
 use nalgebra::{Point3, Vector3};
 
+use super::taylor::{place, place_of_three};
 use crate::robot::{JointKind, Motion, Robot};
 use crate::spatial::Pose;
 
@@ -25,10 +26,11 @@ pub(super) struct Twist {
 
 /// A vector as a Taylor model: its remainder is a ball.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Moved<const N: usize, const Q: usize> {
+pub(super) struct Moved<const N: usize, const Q: usize, const C: usize> {
     pub(super) c: Vector3<f64>,
     pub(super) l: [Vector3<f64>; N],
     pub(super) q: [Vector3<f64>; Q],
+    pub(super) t: [Vector3<f64>; C],
     pub(super) r: f64,
 }
 
@@ -48,12 +50,6 @@ pub(super) struct Kinematics {
 
 /// Bounds the rounding of a pose, as a share of its numbers and of 1 m.
 const ROUNDING: f64 = 1e-13;
-
-/// Place of `x_a x_b` among the products of two of n variables.
-pub(super) fn place(n: usize, a: usize, b: usize) -> usize {
-    let (a, b) = (a.min(b), a.max(b));
-    a * n - a * (a + 1) / 2 + b
-}
 
 impl Kinematics {
     /// At the joint values `centre` of a box with these half widths.
@@ -93,22 +89,29 @@ impl Twist {
 }
 
 /// The point p as the stages move it.
-pub(super) fn point<const N: usize, const Q: usize>(twists: &[Twist], p: &Point3<f64>) -> Moved<N, Q> {
+pub(super) fn point<const N: usize, const Q: usize, const C: usize>(
+    twists: &[Twist],
+    p: &Point3<f64>,
+) -> Moved<N, Q, C> {
     moved(twists, p.coords, Twist::of_point)
 }
 
 /// The direction of any length as the stages turn it.
-pub(super) fn direction<const N: usize, const Q: usize>(twists: &[Twist], p: &Vector3<f64>) -> Moved<N, Q> {
+pub(super) fn direction<const N: usize, const Q: usize, const C: usize>(
+    twists: &[Twist],
+    p: &Vector3<f64>,
+) -> Moved<N, Q, C> {
     moved(twists, *p, |twist, p| twist.ω.cross(p))
 }
 
-fn moved<const N: usize, const Q: usize>(
+fn moved<const N: usize, const Q: usize, const C: usize>(
     twists: &[Twist],
     p: Vector3<f64>,
     motion: impl Fn(&Twist, &Vector3<f64>) -> Vector3<f64>,
-) -> Moved<N, Q> {
+) -> Moved<N, Q, C> {
     let mut l = [Vector3::zeros(); N];
     let mut q = [Vector3::zeros(); Q];
+    let mut t = [Vector3::zeros(); C];
     let mut r = 0.0;
     // How far those further in move the point.
     let mut inner = 0.0;
@@ -119,15 +122,23 @@ fn moved<const N: usize, const Q: usize>(
         l[twist.joint] += slope;
         let turn = twist.ω.norm();
         outer = (outer - turn).max(0.0);
-        q[place(N, twist.joint, twist.joint)] += 0.5 * twist.ω.cross(&slope);
-        for other in &twists[..c] {
-            q[place(N, other.joint, twist.joint)] += other.ω.cross(&slope);
+        // From c outward, each stage as often as it may be: 1/m! for one that is there m times.
+        for b in (0..=c).rev() {
+            let second = twists[b].ω.cross(&slope);
+            let share = if b == c { 0.5 } else { 1.0 };
+            q[place(N, twists[b].joint, twist.joint)] += share * second;
+            for a in (0..=b).rev() {
+                let third = twists[a].ω.cross(&second);
+                let share = if a == b { if b == c { 1.0 / 6.0 } else { 0.5 } } else { share };
+                t[place_of_three(N, twists[a].joint, twists[b].joint, twist.joint)] += share * third;
+            }
         }
         let speed = slope.norm() + turn * inner;
-        r += (turn * turn + 3.0 * outer * (turn + outer)) * speed / 6.0;
+        let fourths = turn.powi(3) + outer * (4.0 * turn * turn + outer * (6.0 * turn + 4.0 * outer));
+        r += fourths * speed / 24.0;
         inner += speed;
         size += speed + twist.v.norm();
     }
     // The lever arms' rounding is that of the twists' own numbers.
-    Moved { c: p, l, q, r: r * (1.0 + ROUNDING) + ROUNDING * size }
+    Moved { c: p, l, q, t, r: r * (1.0 + ROUNDING) + ROUNDING * size }
 }
