@@ -29,7 +29,7 @@ const ORDER: [&str; 19] = [
 ];
 
 /// The files and rooms in a room; each may use those before it, and all may use the room's own `mod.rs`.
-const ROOMS: [(&str, &[&str]); 33] = [
+const ROOMS: [(&str, &[&str]); 35] = [
     (
         "selection",
         &[
@@ -71,6 +71,7 @@ const ROOMS: [(&str, &[&str]); 33] = [
     ("print", &["paper", "error", "artwork", "layout", "svg", "pdf"]),
     ("print::artwork", &["text", "checkerboard", "modules", "charuco", "aprilgrid", "circles"]),
     ("print::layout", &["strip", "sheet", "tiles"]),
+    ("sweep", &["candidates", "axes", "joints"]),
     (
         "feasibility",
         &["rejection", "visibility", "shortfall", "solid", "hull", "collision", "occlusion", "stability", "views"],
@@ -155,6 +156,7 @@ const ROOMS: [(&str, &[&str]); 33] = [
         "plan::choose",
         &["baseline", "choice", "constraints", "error", "objective", "chooser", "refined_survey", "decide"],
     ),
+    ("plan::choose::baseline", &["points", "centres", "lloyd", "kmeans", "random"]),
     (
         "plan::document",
         &[

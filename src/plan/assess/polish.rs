@@ -184,8 +184,8 @@ impl Setting<'_> {
     /// or not allowed.
     fn look(&self, id: usize, q: &DVector<f64>, others: &[&View]) -> Option<(View, Vec<f64>)> {
         let joints = q.iter().zip(&self.problem.robot.chain.joints);
-        let q = joints.map(|(q, joint)| q.clamp(joint.limits.min, joint.limits.max)).collect();
-        let view = self.scenes[0].look(id, q)?;
+        let q: Vec<f64> = joints.map(|(q, joint)| q.clamp(joint.limits.min, joint.limits.max)).collect();
+        let view = self.scenes[0].look(id, &q)?;
         if !allows(self.problem, others, &view) || !self.is_certain(&view) {
             return None;
         }
@@ -363,7 +363,7 @@ mod tests {
             for (q, joint) in view.q.iter().zip(&problem.robot.chain.joints) {
                 assert!((joint.limits.min - 1e-9..=joint.limits.max + 1e-9).contains(q), "{view:?}");
             }
-            assert_eq!(checks.view(view.id, view.q.clone()).as_ref(), Ok(view));
+            assert_eq!(checks.view(view.id, &view.q).as_ref(), Ok(view));
             assert_ne!(view.axis_case(&problem.target), AxisCase::Outside);
         }
     }
@@ -449,7 +449,7 @@ mod tests {
         let checks: Vec<_> = drawn.iter().map(Problem::checks).collect();
         let (mut certain, mut uncertain) = (0, 0);
         for view in &stated.views {
-            let seen = 1 + checks.iter().filter(|checks| checks.view(view.id, view.q.clone()).is_ok()).count();
+            let seen = 1 + checks.iter().filter(|checks| checks.view(view.id, &view.q).is_ok()).count();
             let found = setting.look(view.id, &view.q.clone().into(), &[]);
             assert_eq!(found.is_some(), seen >= 3, "{} in {seen} of 4", view.id);
             *(if seen >= 3 { &mut certain } else { &mut uncertain }) += 1;

@@ -9,7 +9,7 @@ mod error;
 mod objective;
 mod refined_survey;
 
-pub use baseline::{Clustering, ClusteringError, kmeans, lloyd, random};
+pub use baseline::{Clustering, ClusteringError, KMeans, Points, lloyd, random};
 pub use choice::{Choice, Reached};
 pub use chooser::Chooser;
 pub use constraints::ConstraintError;

@@ -1,5 +1,7 @@
 //! More candidates where they count: around poses that were picked.
 
+use std::ops::Range;
+
 use super::scenarios::certain;
 use super::{Survey, SurveyError};
 use crate::feasibility::View;
@@ -23,6 +25,9 @@ pub(crate) fn spacings(problem: &Problem) -> Vec<f64> {
     }
 }
 
+/// Configurations that are tried in a row, at most.
+const ROW: usize = 64;
+
 /// Tries configurations within `radii` of the picks, evenly among them, and adds those that are views.
 pub(crate) fn join(
     problem: &Problem,
@@ -44,11 +49,19 @@ pub(crate) fn join(
     // Numbers go on after those of the swept configurations and of the rounds before.
     let first = problem.space.len() + survey.refined;
     let tried = each * samples.len();
-    let view = |n: usize| -> Option<View> {
-        let view = checks.view(first + n, samples[n / each].configuration(n % each)).ok()?;
-        (problem.axis == AxisRule::Any || view.axis_case(&problem.target) != AxisCase::Outside).then_some(view)
+    let views_of = |(pick, points): (usize, Range<usize>)| {
+        let mut views: Vec<View> = vec![];
+        samples[pick].visit(points, |n, q| {
+            let Ok(view) = checks.view(first + pick * each + n, q) else { return };
+            if problem.axis == AxisRule::Any || view.axis_case(&problem.target) != AxisCase::Outside {
+                views.push(view);
+            }
+        });
+        views
     };
-    let views: Vec<View> = (0..tried).into_par_iter().with_min_len(64).filter_map(view).collect();
+    let rows = |pick| (0..each).step_by(ROW).map(move |start| (pick, start..each.min(start + ROW)));
+    let rows: Vec<(usize, Range<usize>)> = (0..samples.len()).flat_map(rows).collect();
+    let views: Vec<View> = rows.into_par_iter().flat_map_iter(views_of).collect();
     let found = Survey::of(problem, certain(problem, views))?;
     survey.information.append(&found.information);
     for (scenario, found) in survey.scenarios.iter_mut().zip(&found.scenarios) {
