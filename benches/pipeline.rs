@@ -7,6 +7,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use calipose::feasibility::Occlusion;
+use calipose::plan::choose::{KMeans, Points};
 use calipose::plan::survey::survey;
 use calipose::problem::{Overrides, Problem};
 use calipose::selection::InformationSet;
@@ -47,7 +48,7 @@ fn feasibility(bench: &mut Bench) {
         Problem::read(Path::new("problems/servosila-engineer-bodies.toml")).expect("the shipped problem is valid");
     let Problem { robot, target, space, stability, .. } = &problem;
     let stability = stability.as_ref().expect("the problem tests stability");
-    let candidates = sweep(robot, target, space, problem.axis, &|_| {}).candidates;
+    let candidates: Vec<usize> = sweep(robot, target, space, problem.axis, &|_| {}).candidates.iter().collect();
     let checks = problem.checks();
     let occlusion = Occlusion::new(&robot.tree, robot.camera_link);
     let corners: Vec<_> = target.board.corners().collect();
@@ -103,6 +104,32 @@ fn stages(bench: &mut Bench, name: &str, instance: &Instance) {
     group.finish();
 }
 
+/// The survey of a million views, and what clusters them for comparison.
+fn many_views(bench: &mut Bench) {
+    let grid = Overrides::new().set("sweep.step_deg=2").expect("a key and its value");
+    let problem = Problem::read_with(Path::new(SERVOSILA), &grid).expect("the step fits");
+    let mut group = bench.benchmark_group("many views");
+    group.throughput(Throughput::Elements(problem.space.len() as u64)).sample_size(10);
+    group.bench_function("survey", |b| b.iter(|| survey(black_box(&problem), &|_| {})));
+    let survey = survey(&problem, &|_| {}).expect("the problem has views");
+    let joints = Points::new(survey.views.iter().map(|view| &view.q)).expect("joint values are finite");
+    group.throughput(Throughput::Elements(joints.len() as u64));
+    group.bench_function("k-means k=10", |b| b.iter(|| KMeans::new(black_box(&joints), 0).members(10)));
+    group.finish();
+}
+
+/// k-means into few clusters and into as many as do what a plan does.
+fn clustering(bench: &mut Bench) {
+    let survey = survey(&servosila(), &|_| {}).expect("the shipped problem has views");
+    let joints = Points::new(survey.views.iter().map(|view| &view.q)).expect("joint values are finite");
+    let mut group = bench.benchmark_group("k-means");
+    group.throughput(Throughput::Elements(joints.len() as u64)).sample_size(10);
+    for count in [10, 120, 400] {
+        group.bench_function(format!("k={count}"), |b| b.iter(|| KMeans::new(black_box(&joints), 0).members(count)));
+    }
+    group.finish();
+}
+
 fn selection(bench: &mut Bench) {
     let survey = survey(&servosila(), &|_| {}).expect("the shipped problem has views");
     let variance = InformationFunction::variance(&survey.map_weight);
@@ -133,5 +160,5 @@ fn random_instances(bench: &mut Bench) {
     stages(bench, "hetero d n=10735 p=9 k=20", &instance);
 }
 
-criterion_group!(benches, sweeping, feasibility, information, selection, random_instances);
+criterion_group!(benches, sweeping, feasibility, information, many_views, clustering, selection, random_instances);
 criterion_main!(benches);

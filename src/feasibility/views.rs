@@ -1,5 +1,7 @@
 //! From candidates to views: all tests, in turn.
 
+use std::ops::Range;
+
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
@@ -11,7 +13,7 @@ use super::visibility::{VisibilityLimits, cos_tilt, enough, visible_corners};
 use crate::camera::Camera;
 use crate::robot::Robot;
 use crate::spatial::Pose;
-use crate::sweep::JointSpace;
+use crate::sweep::{Candidates, JointSpace};
 use crate::target::{AxisCase, Board, Corners, Marker, Target, told};
 
 /// A configuration that the robot can take and from which the camera sees the board.
@@ -130,27 +132,27 @@ impl<'a> Checks<'a> {
     ///
     /// # Errors
     /// The reason.
-    pub fn view(&self, id: usize, q: Vec<f64>) -> Result<View, Rejection> {
+    pub fn view(&self, id: usize, q: &[f64]) -> Result<View, Rejection> {
         let joints = self.robot.chain.joints.iter();
-        if joints.zip(&q).any(|(joint, &q)| !joint.keeps_margin(q)) {
+        if joints.zip(q).any(|(joint, &q)| !joint.keeps_margin(q)) {
             return Err(Rejection::JointLimit);
         }
-        let X_BC = self.robot.camera_pose(&q);
+        let X_BC = self.robot.camera_pose(q);
         let X_CT = X_BC.inverse() * self.target.X_BT;
         let mut seen = visible_corners(self.camera, self.target, self.visibility, &self.corners, &self.markers, &X_CT)?;
         let mut stability_margin = None;
         if self.stability.is_some() || self.has_bodies() {
             // In the root's frame, which stands on the ground; B is the frame of the link that carries the board.
-            let X_RL = self.robot.tree.link_poses(&q);
+            let X_RL = self.robot.tree.link_poses(q);
             stability_margin = self.stable(&X_RL)?;
             if let Some(pair) = self.collision.first(&X_RL) {
                 let with_obstacle = pair.iter().any(|link| self.robot.obstacles.contains(link));
                 return Err(if with_obstacle { Rejection::SceneCollision } else { Rejection::SelfCollision });
             }
-            let X_BL = if self.robot.board_link == 0 { X_RL } else { self.robot.link_poses(&q) };
+            let X_BL = if self.robot.board_link == 0 { X_RL } else { self.robot.link_poses(q) };
             seen = self.unhidden(&X_BL, &X_BC, seen)?;
         }
-        Ok(View { id, q, X_BC, X_CT, seen, stability_margin })
+        Ok(View { id, q: q.to_vec(), X_BC, X_CT, seen, stability_margin })
     }
 
     /// The tip-over margin, where it is tested and wide enough.
@@ -181,31 +183,49 @@ impl<'a> Checks<'a> {
     }
 }
 
+/// Candidates that are tested in a row, at most.
+const ROW: usize = 256;
+
+/// Rows that are handed out together, and how many of these parts are tested before their views are put to the others: the views
+/// of all parts are never kept twice.
+const ROWS: usize = 8;
+const PARTS: usize = 256;
+
 /// The candidates that are views, in ascending order, and how many were rejected for each reason of
 /// [`Rejection::ALL`]. The result does not depend on the number of threads.
 pub fn feasible_views(
     checks: &Checks,
     space: &JointSpace,
-    candidates: &[usize],
+    candidates: &Candidates,
 ) -> (Vec<View>, [usize; Rejection::ALL.len()]) {
-    // Chunk by chunk, so that the rejected take no memory.
-    let chunks: Vec<_> = candidates
-        .par_chunks(1024)
-        .map(|chunk| {
-            let mut rejected = [0; Rejection::ALL.len()];
-            let view = |verdict: Result<View, Rejection>| verdict.map_err(|reason| rejected[reason as usize] += 1).ok();
-            let test = |&id: &usize| checks.view(id, space.configuration(id));
-            let views: Vec<View> = chunk.iter().map(test).filter_map(view).collect();
-            (views, rejected)
-        })
-        .collect();
-    let mut rejected = [0; Rejection::ALL.len()];
     let mut views = Vec::new();
-    for (some_views, some_rejected) in chunks {
-        views.extend(some_views);
-        for (sum, count) in rejected.iter_mut().zip(some_rejected) {
-            *sum += count;
+    let mut rejected = [0; Rejection::ALL.len()];
+    let mut rows = candidates.pieces(ROW);
+    loop {
+        let batch: Vec<Range<usize>> = rows.by_ref().take(ROWS * PARTS).collect();
+        if batch.is_empty() {
+            break;
         }
+        let parts: Vec<_> = batch.par_chunks(ROWS).map(|rows| views_of(checks, space, rows)).collect();
+        for (some_views, some_rejected) in parts {
+            views.extend(some_views);
+            for (sum, count) in rejected.iter_mut().zip(some_rejected) {
+                *sum += count;
+            }
+        }
+    }
+    views.shrink_to_fit();
+    (views, rejected)
+}
+
+fn views_of(checks: &Checks, space: &JointSpace, rows: &[Range<usize>]) -> (Vec<View>, [usize; Rejection::ALL.len()]) {
+    let mut views = Vec::new();
+    let mut rejected = [0; Rejection::ALL.len()];
+    for row in rows {
+        space.visit(row.clone(), |id, q| match checks.view(id, q) {
+            Ok(view) => views.push(view),
+            Err(reason) => rejected[reason as usize] += 1,
+        });
     }
     (views, rejected)
 }

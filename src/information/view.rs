@@ -142,9 +142,15 @@ impl<'a> Measurement<'a> {
         &self,
         views: impl IntoParallelIterator<Item = (&'b Pose, &'b Corners), Iter: IndexedParallelIterator>,
     ) -> Option<InformationSet> {
-        let rows: Option<Vec<Vec<f64>>> =
-            views.into_par_iter().with_min_len(32).map(|(X_CT, seen)| self.information(X_CT, seen)).collect();
-        InformationSet::from_packed_unchecked(self.order(), rows?.concat()).ok()
+        let views = views.into_par_iter();
+        let length = packed_len(self.order());
+        // Straight into the table: of a million views there is no room for two.
+        let mut table = vec![0.0; views.len() * length];
+        table.par_chunks_exact_mut(length).zip(views).with_min_len(32).try_for_each(|(row, (X_CT, seen))| {
+            row.copy_from_slice(&self.information(X_CT, seen)?);
+            Some(())
+        })?;
+        InformationSet::from_packed_unchecked(self.order(), table).ok()
     }
 }
 

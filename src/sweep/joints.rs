@@ -1,6 +1,7 @@
 //! The joint configurations that a sweep visits.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use thiserror::Error;
 
@@ -142,6 +143,14 @@ impl JointSpace {
             JointSpace::Sample(sample) => sample.configuration(id),
         }
     }
+
+    /// Shows the joint values of configurations `ids` in turn, as [`JointSpace::configuration`] gives them.
+    pub(crate) fn visit(&self, ids: Range<usize>, mut see: impl FnMut(usize, &[f64])) {
+        match self {
+            JointSpace::Grid(grid) => ids.for_each(|id| see(id, &grid.configuration(id))),
+            JointSpace::Sample(sample) => sample.visit(ids, see),
+        }
+    }
 }
 
 impl Axis {
@@ -232,27 +241,77 @@ impl HaltonSample {
 
     /// Joint values of point `id`.
     pub fn configuration(&self, id: usize) -> Vec<f64> {
+        let mut point = vec![];
+        self.visit(id..id + 1, |_, q| point.extend_from_slice(q));
+        point
+    }
+
+    /// Shows the joint values of the points `ids` in turn.
+    pub(crate) fn visit(&self, ids: Range<usize>, mut see: impl FnMut(usize, &[f64])) {
         // The first points of the larger bases rise together; skipping past the largest base breaks that up.
-        let index = id + 2 * PRIMES[PRIMES.len() - 1];
-        let scale =
-            |(limits, &base): (&Limits, &usize)| limits.min + (limits.max - limits.min) * radical_inverse(index, base);
-        let mut q: Vec<f64> = self.limits.iter().zip(&PRIMES).map(scale).collect();
-        for ((q, limits), resolution) in q.iter_mut().zip(&self.limits).zip(&self.resolutions) {
-            *q = resolution.nearest(*q, limits);
+        let index = ids.start + 2 * PRIMES[PRIMES.len() - 1];
+        let mut mirrored: Vec<RadicalInverse> =
+            self.limits.iter().zip(PRIMES).map(|(_, base)| RadicalInverse::new(index, base)).collect();
+        let mut q = vec![0.0; self.limits.len()];
+        for id in ids {
+            for ((q, limits), mirrored) in q.iter_mut().zip(&self.limits).zip(&mut mirrored) {
+                *q = limits.min + (limits.max - limits.min) * mirrored.value();
+                mirrored.advance();
+            }
+            for ((q, limits), resolution) in q.iter_mut().zip(&self.limits).zip(&self.resolutions) {
+                *q = resolution.nearest(*q, limits);
+            }
+            see(id, &q);
         }
-        q
     }
 }
 
-/// The digits of `index` in `base`, mirrored at the point: van der Corput's sequence.
-fn radical_inverse(mut index: usize, base: usize) -> f64 {
-    let (mut value, mut place) = (0.0, 1.0);
-    while index > 0 {
-        place /= base as f64;
-        value += place * (index % base) as f64;
-        index /= base;
+/// The digits of a number in some base, mirrored at the point: van der Corput's sequence, number by number.
+struct RadicalInverse {
+    base: usize,
+    /// From the lowest on.
+    digits: Vec<Digit>,
+}
+
+struct Digit {
+    number: usize,
+    /// What a one is worth here, mirrored.
+    place: f64,
+    /// What the digit is.
+    value: f64,
+}
+
+impl RadicalInverse {
+    fn new(mut index: usize, base: usize) -> Self {
+        let mut inverse = Self { base, digits: vec![] };
+        while index > 0 {
+            inverse.push(index % base);
+            index /= base;
+        }
+        inverse
     }
-    value
+
+    fn push(&mut self, digit: usize) {
+        let place = self.digits.last().map_or(1.0, |last| last.place) / self.base as f64;
+        self.digits.push(Digit { number: digit, place, value: place * digit as f64 });
+    }
+
+    fn value(&self) -> f64 {
+        self.digits.iter().fold(0.0, |sum, digit| sum + digit.value)
+    }
+
+    /// On to the next number, as a mileometer does: no division, and seldom more than a digit or two.
+    fn advance(&mut self) {
+        for Digit { number, place, value } in &mut self.digits {
+            *number += 1;
+            if *number < self.base {
+                *value = *place * *number as f64;
+                return;
+            }
+            (*number, *value) = (0, 0.0);
+        }
+        self.push(1);
+    }
 }
 
 #[cfg(test)]
@@ -312,6 +371,30 @@ mod tests {
         for (step, size) in [(20.0, 13_860), (10.0, 210_672), (8.0, 502_656)] {
             assert_eq!(grid(&limits, &[f64::to_radians(step); 4]).len(), size);
         }
+    }
+
+    /// The same bits however many came before, so that every part of a sweep may start where it will.
+    #[test]
+    fn points_are_visited_as_they_are() {
+        let sample = HaltonSample::new(&[Limits { min: -1.0, max: 2.0 }; 6], 5000);
+        let mirrored = |mut index: usize, base: usize| {
+            let (mut value, mut place) = (0.0, 1.0);
+            while index > 0 {
+                place /= base as f64;
+                value += place * (index % base) as f64;
+                index /= base;
+            }
+            value
+        };
+        let mut visited = 0;
+        sample.visit(0..5000, |id, q| {
+            assert_eq!(id, visited);
+            let expected: Vec<f64> = PRIMES[..6].iter().map(|&base| -1.0 + 3.0 * mirrored(id + 106, base)).collect();
+            assert_eq!(q, expected);
+            assert_eq!(sample.configuration(id), expected);
+            visited += 1;
+        });
+        assert_eq!(visited, 5000);
     }
 
     #[test]

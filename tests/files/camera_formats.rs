@@ -452,7 +452,7 @@ fn no_view_has_corners_beyond_the_image_circle() {
     let problem = Problem::parse(&text, Path::new("arm.toml")).unwrap();
     let fold = (1.0f64 / 1.2).sqrt();
     assert!((problem.camera.fold().unwrap() - fold).abs() < 1e-9);
-    let all: Vec<usize> = (0..problem.space.len()).collect();
+    let all = (0..problem.space.len()).collect();
     let (views, rejected) = feasible_views(&problem.checks(), &problem.space, &all);
     assert!(views.len() > 100 && rejected[Rejection::BeyondLens as usize] > 100, "{} {rejected:?}", views.len());
     for view in &views {

@@ -30,7 +30,7 @@ const ORDER: [&str; 20] = [
 ];
 
 /// The files and rooms in a room; each may use those before it, and all may use the room's own `mod.rs`.
-const ROOMS: [(&str, &[&str]); 34] = [
+const ROOMS: [(&str, &[&str]); 37] = [
     (
         "selection",
         &[
@@ -72,6 +72,7 @@ const ROOMS: [(&str, &[&str]); 34] = [
     ("print", &["paper", "error", "artwork", "layout", "svg", "pdf"]),
     ("print::artwork", &["text", "checkerboard", "modules", "charuco", "aprilgrid", "circles"]),
     ("print::layout", &["strip", "sheet", "tiles"]),
+    ("sweep", &["candidates", "axes", "joints"]),
     (
         "feasibility",
         &["rejection", "visibility", "shortfall", "solid", "hull", "collision", "occlusion", "stability", "views"],
@@ -169,6 +170,7 @@ const ROOMS: [(&str, &[&str]); 34] = [
         ],
     ),
     ("plan::choose::off_grid", &["local_search", "poses", "columns"]),
+    ("plan::choose::baseline", &["points", "centres", "lloyd", "kmeans", "random"]),
     (
         "plan::document",
         &[

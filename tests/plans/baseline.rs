@@ -8,7 +8,7 @@ use std::path::Path;
 use calipose::information::Criterion;
 use calipose::plan::assess::compare;
 use calipose::plan::choose::Chooser;
-use calipose::plan::choose::lloyd;
+use calipose::plan::choose::{Points, lloyd};
 use calipose::plan::survey::{Survey, survey};
 use calipose::problem::{Goal, Method, Overrides, Problem};
 use serde::Deserialize;
@@ -86,7 +86,7 @@ struct Clusters {
 fn clusters_are_those_of_scikit_learn() {
     let cases: Vec<Clusters> = serde_json::from_str(include_str!("../golden/kmeans.json")).unwrap();
     for case in cases {
-        let found = lloyd(&case.points, case.start);
+        let found = lloyd(&Points::new(&case.points).unwrap(), &case.start);
         assert_eq!(found.labels, case.labels);
         assert!((found.inertia - case.inertia).abs() < 1e-9 * case.inertia);
         for (centre, expected) in found.centres.iter().flatten().zip(case.centres.iter().flatten()) {

@@ -27,7 +27,7 @@ fn with_scene(text: &str, scene: &str) -> Problem {
 }
 
 fn views(problem: &Problem) -> (Vec<View>, [usize; Rejection::ALL.len()]) {
-    let all: Vec<usize> = (0..problem.space.len()).collect();
+    let all = (0..problem.space.len()).collect();
     feasible_views(&problem.checks(), &problem.space, &all)
 }
 
@@ -81,7 +81,7 @@ fn no_link_is_nearer_to_an_obstacle_than_the_clearance_and_none_is_rejected_that
         assert!(free.iter().all(|view| height(view).abs() > 1e-6));
         assert_eq!(left.iter().collect::<Vec<_>>(), above);
         for view in free.iter().filter(|view| height(view) < 0.0) {
-            assert_eq!(checks.view(view.id, view.q.clone()), Err(Rejection::SceneCollision));
+            assert_eq!(checks.view(view.id, &view.q), Err(Rejection::SceneCollision));
         }
         let scene = rejected[Rejection::SceneCollision as usize];
         assert!(!left.is_empty() && scene >= free.len() - left.len() && free.len() > left.len() + 5, "{rejected:?}");

@@ -130,7 +130,7 @@ fn boards_read_in_part_keep_the_corners_that_are_seen() {
     for view in some.iter().step_by(50) {
         let indices = view.seen.indices(48);
         assert!(indices.len() >= 20 && indices.is_sorted() && problem.target.board.fix_homography(&indices));
-        assert_eq!(checks.view(view.id, view.q.clone()).as_ref(), Ok(view));
+        assert_eq!(checks.view(view.id, &view.q).as_ref(), Ok(view));
         // Every corner left out is outside the image's margin, or hidden; every corner kept is inside.
         for (i, corner) in problem.target.board.corners().enumerate() {
             let pixel = problem.camera.project(&(view.X_CT * corner));

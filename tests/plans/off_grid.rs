@@ -58,7 +58,7 @@ fn poses_off_the_grid_are_better_and_can_be_taken() {
         assert!(least_distance(&problem, &survey, &plan) >= 20.0);
         let checks = problem.checks();
         for pose in &plan.poses {
-            assert!(checks.view(pose.id, pose.joints_rad.clone()).is_ok());
+            assert!(checks.view(pose.id, &pose.joints_rad).is_ok());
             for ((q, degrees), joint) in pose.joints_rad.iter().zip(&pose.joints_deg).zip(&problem.robot.chain.joints) {
                 let hundredths = degrees * 100.0;
                 assert!((hundredths - hundredths.round()).abs() < 1e-8, "{degrees}");

@@ -61,18 +61,19 @@ pub(crate) fn run(arguments: &CompareArguments, screen: &mut Screen) -> Result<(
     let comparison = compared?;
 
     let bar = screen.progress("k-means", 2 * counts.len());
-    let mut equivalents = Vec::new();
-    let limit = arguments.limit.min(survey.views.len());
-    for &count in &counts {
+    let plan = |&count: &usize| {
         let best = comparison.rows.iter().find(|row| row.method == Method::Best && row.choice.selected.len() == count);
-        let map_error = best.map_or(f64::INFINITY, |row| row.choice.map_error);
-        for method in [Method::KMeansJoints, Method::KMeansPositions] {
-            let seed = problem.selection.seed;
-            let found = equivalent_kmeans(&chooser, method, map_error, count, limit, seed, arguments.seeds);
-            bar.inc(1);
-            equivalents.push((count, found?));
-        }
-    }
+        (count, best.map_or(f64::INFINITY, |row| row.choice.map_error))
+    };
+    let plans: Vec<(usize, f64)> = counts.iter().map(plan).collect();
+    let equivalent = |method: Method| {
+        let (limit, seed, seeds) = (arguments.limit, problem.selection.seed, arguments.seeds);
+        equivalent_kmeans(&chooser, method, &plans, limit, seed, seeds, &mut || bar.inc(1))
+    };
+    let (joints, positions) = (equivalent(Method::KMeansJoints)?, equivalent(Method::KMeansPositions)?);
+    let of_each = counts.iter().zip(joints.into_iter().zip(positions));
+    let equivalents: Vec<(usize, Equivalent)> =
+        of_each.flat_map(|(&count, (joints, positions))| [(count, joints), (count, positions)]).collect();
     bar.finish_and_clear();
 
     let bar = screen.progress("measuring", comparison.rows.len());

@@ -17,7 +17,7 @@ use crate::cli::output::pose_table::pose_table;
 use crate::cli::output::verdict::Verdict;
 use crate::cli::output::{Screen, grouped, short, table, wrapped};
 use crate::cli::{TableFormat, trials};
-use crate::plan::assess::{compare, verify};
+use crate::plan::assess::{median_choice, verify};
 use crate::plan::choose::{Chooser, decide, plan_survey};
 use crate::plan::document::{
     Document, Plan, RobustnessDocument, Run, RunSeconds, TrialDocument, Verification, WorstLoss, views_csv,
@@ -270,15 +270,16 @@ fn summary(
         .map(|i| vec![intrinsics.names[i].clone(), short(intrinsics.nominal[i]), short(intrinsics.sigma[i])])
         .collect();
 
-    let baselines = [Method::KMeansJoints, Method::KMeansPositions];
-    let comparison = compare(chooser, &baselines, &[plan.count], plan.seed, BASELINE_SEEDS, &mut || {})?;
-    let of = |i: usize| short(comparison.rows[i].choice.map_error);
+    let clustered = |method: Method| -> Result<String, Failure> {
+        let (choice, _) = median_choice(chooser, method, plan.count, plan.seed, BASELINE_SEEDS)?;
+        Ok(short(choice.map_error))
+    };
     let compared = format!(
         "{} k-means poses of {} views: map error {} px (clustered on joints), {} px (on camera positions{}).",
         plan.count,
         grouped(survey.views.len() - survey.off_grid),
-        of(0),
-        of(1),
+        clustered(Method::KMeansJoints)?,
+        clustered(Method::KMeansPositions)?,
         if problem.constraints.allow_all() { "" } else { "; constraints aside" },
     );
     let tried = verified.map(|found| format!("{}\n", sentence(found))).unwrap_or_default();

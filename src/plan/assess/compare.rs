@@ -1,10 +1,11 @@
 //! Every method side by side.
 
+use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
-use crate::plan::choose::{Choice, Chooser, PlanError};
+use crate::plan::choose::{Choice, Chooser, KMeans, PlanError};
 use crate::plan::document::{
     ComparisonDocument, ComparisonEquivalent, ComparisonRow, Document, MeasuredRow, ProblemReference, finite,
 };
@@ -114,50 +115,103 @@ pub fn compare(
     Ok(Comparison { rows, seeds })
 }
 
-/// How many poses clustered by `method` have a median map error of at most `map_error`: grows the number from `start` by
-/// half at a time, up to `limit`, then halves the interval down to a twentieth.
+/// How many poses clustered by `method` do what plans do, of which `plans` has the numbers of poses and the map errors: the least
+/// number found whose median map error is at most the plan's. The search grows the number from the plan's by half at a time, up to
+/// `limit`, then halves the interval down to a twentieth. `observe` is called after each plan. A method that does not cluster
+/// equals none.
 ///
 /// # Errors
 /// When a clustering fails.
 pub fn equivalent_kmeans(
     chooser: &Chooser,
     method: Method,
-    map_error: f64,
-    start: usize,
+    plans: &[(usize, f64)],
     limit: usize,
     seed: u64,
     seeds: usize,
-) -> Result<Equivalent, PlanError> {
-    let suffices = |count: usize| -> Result<bool, PlanError> {
-        Ok(median_choice(chooser, method, count, seed, seeds)?.0.map_error <= map_error)
-    };
-    let (mut short, mut enough) = (0, start.min(limit));
-    while !suffices(enough)? {
-        if enough == limit {
-            return Ok(Equivalent { method, poses: None, tried: limit });
+    observe: &mut dyn FnMut(),
+) -> Result<Vec<Equivalent>, PlanError> {
+    let features = chooser.features(method)?.unwrap_or_default();
+    let limit = limit.min(features.len());
+    let runs = (0..seeds.max(1) as u64).map(|run| KMeans::new(&features, seed.wrapping_add(run))).collect();
+    let mut medians = Medians { chooser, runs, map_errors: BTreeMap::new() };
+    let mut equivalent = |&(start, map_error): &(usize, f64)| -> Result<Equivalent, PlanError> {
+        let (mut short, mut enough) = (0, start.min(limit));
+        while limit == 0 || !medians.suffices(enough, map_error)? {
+            if enough == limit {
+                return Ok(Equivalent { method, poses: None, tried: limit });
+            }
+            short = enough;
+            enough = (enough + enough.div_ceil(2)).min(limit);
         }
-        short = enough;
-        enough = (enough + enough.div_ceil(2)).min(limit);
-    }
-    while enough - short > (enough / 20).max(1) {
-        let middle = usize::midpoint(short, enough);
-        if suffices(middle)? { enough = middle } else { short = middle }
-    }
-    Ok(Equivalent { method, poses: Some(enough), tried: enough })
+        while enough - short > (enough / 20).max(1) {
+            let middle = usize::midpoint(short, enough);
+            if medians.suffices(middle, map_error)? { enough = middle } else { short = middle }
+        }
+        Ok(Equivalent { method, poses: Some(enough), tried: enough })
+    };
+    let one = |plan| {
+        let found = equivalent(plan);
+        observe();
+        found
+    };
+    plans.iter().map(one).collect()
 }
 
-pub(super) fn median_choice(
+/// Median map errors of clusterings, as far as comparisons ask for them.
+struct Medians<'a> {
+    chooser: &'a Chooser<'a>,
+    /// One for each seed.
+    runs: Vec<KMeans<'a>>,
+    /// Of so many clusters the map errors of the first runs, px.
+    map_errors: BTreeMap<usize, Vec<f64>>,
+}
+
+impl Medians<'_> {
+    /// Whether the median over the runs, the lower of two, is at most `map_error` (px) with `count` clusters: some run only where
+    /// those before leave it open.
+    fn suffices(&mut self, count: usize, map_error: f64) -> Result<bool, PlanError> {
+        let Self { chooser, runs, map_errors } = self;
+        let found = map_errors.entry(count).or_default();
+        let middle = (runs.len() - 1) / 2;
+        loop {
+            let within = found.iter().filter(|&&found| found <= map_error).count();
+            let to_confirm = (middle + 1).saturating_sub(within);
+            let to_refuse = (runs.len() - middle).saturating_sub(found.len() - within);
+            if to_confirm.min(to_refuse) == 0 {
+                return Ok(to_confirm == 0);
+            }
+            let next = &mut runs[found.len()..][..to_confirm.min(to_refuse)];
+            let more: Vec<f64> = next
+                .par_iter_mut()
+                .map(|run| Ok(chooser.accuracy(&chooser.information(&run.members(count)?)).1))
+                .collect::<Result<_, PlanError>>()?;
+            found.extend(more);
+        }
+    }
+}
+
+/// The choice of `count` poses by `method` with the median map error over `runs` seeds from `seed` on, and the median time.
+///
+/// # Errors
+/// When a choice fails.
+pub fn median_choice(
     chooser: &Chooser,
     method: Method,
     count: usize,
     seed: u64,
     runs: usize,
 ) -> Result<(Choice, Duration), PlanError> {
+    let features = chooser.features(method)?;
+    let choose = |seed| match &features {
+        Some(features) => Ok(chooser.assess(KMeans::new(features, seed).members(count)?)),
+        None => chooser.choose(method, count, seed),
+    };
     let mut choices = (0..runs as u64)
         .into_par_iter()
         .map(|run| {
             let start = Instant::now();
-            Ok((chooser.choose(method, count, seed.wrapping_add(run))?, start.elapsed()))
+            Ok((choose(seed.wrapping_add(run))?, start.elapsed()))
         })
         .collect::<Result<Vec<_>, PlanError>>()?;
     let mut times: Vec<Duration> = choices.iter().map(|(_, time)| *time).collect();

@@ -210,7 +210,7 @@ impl Pilot {
                 AxisRule::Zone => some.par_iter().filter(meets).copied().collect(),
             };
             let start = Instant::now();
-            let tested = candidates.par_iter().map(|&id| checks.view(id, space.configuration(id)));
+            let tested = candidates.par_iter().map(|&id| checks.view(id, &space.configuration(id)));
             views.extend(tested.collect::<Vec<Result<View, Rejection>>>().into_iter().flatten());
             testing += start.elapsed();
             handed_on += candidates.len();
@@ -221,7 +221,7 @@ impl Pilot {
         views.dedup_by_key(|view| view.id);
         let again = &views[..views.len().min(200)];
         let start = Instant::now();
-        let passed = again.par_iter().filter(|view| checks.view(view.id, view.q.clone()).is_ok()).count();
+        let passed = again.par_iter().filter(|view| checks.view(view.id, &view.q).is_ok()).count();
         let pass = start.elapsed().as_secs_f64() / passed.max(1) as f64;
         let test = testing.as_secs_f64() / handed_on.max(1) as f64;
         Self { tried, handed_on: handed_on as f64 / tried.max(1) as f64, views, test, pass }

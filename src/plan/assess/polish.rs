@@ -141,7 +141,7 @@ mod tests {
             for (q, joint) in view.q.iter().zip(&problem.robot.chain.joints) {
                 assert!((joint.limits.min - 1e-9..=joint.limits.max + 1e-9).contains(q), "{view:?}");
             }
-            assert_eq!(checks.view(view.id, view.q.clone()).as_ref(), Ok(view));
+            assert_eq!(checks.view(view.id, &view.q).as_ref(), Ok(view));
             assert_ne!(view.axis_case(&problem.target), AxisCase::Outside);
         }
     }

@@ -59,7 +59,7 @@ pub fn verify(
     for (i, q) in configurations.iter().enumerate() {
         let not_seen = VerifyError::NotSeen { pose: i + 1 };
         let corners = match &checks {
-            Some(checks) => checks.view(i, q.clone()).map_err(|_| not_seen.clone())?.seen,
+            Some(checks) => checks.view(i, q).map_err(|_| not_seen.clone())?.seen,
             None => Corners::All,
         };
         let X_CT: Pose = robot.camera_pose(q).inverse() * target.X_BT;

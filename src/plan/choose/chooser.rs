@@ -8,7 +8,7 @@ use super::choice::{Choice, Reached};
 use super::constraints::{Captured, Known, constraints, stated_of_intrinsics};
 use super::error::PlanError;
 use super::objective::Objective;
-use super::{kmeans, random};
+use super::{ClusteringError, KMeans, Points, random};
 use crate::feasibility::View;
 use crate::information::{Criterion, NoiseModel, Unweighted};
 use crate::plan::survey::Survey;
@@ -237,8 +237,6 @@ impl<'a> Chooser<'a> {
     pub fn choose(&self, method: Method, count: usize, seed: u64) -> Result<Choice, PlanError> {
         let instance = self.instance(count)?;
         let improved = || improved_greedy(&instance).map_err(|e| self.explain(e));
-        // The baselines know nothing of views off the grid.
-        let swept = &self.survey.views[..self.survey.views.len() - self.survey.off_grid];
         let selected = match method {
             Method::Best | Method::Exact => {
                 best(&instance, &self.settings, seed).map_err(|e| self.explain(e))?.selected
@@ -250,18 +248,28 @@ impl<'a> Chooser<'a> {
             }
             Method::Exchange => improved()?,
             Method::Greedy => greedy(&instance).map_err(|e| self.explain(e))?,
-            Method::Random => random(swept.len(), count, seed),
-            Method::KMeansJoints => {
-                let joints: Vec<_> = swept.iter().map(|view| view.q.clone()).collect();
-                kmeans(&joints, count, seed)?
-            }
-            Method::KMeansPositions => {
-                let position = |X: &crate::spatial::Pose| X.translation.vector.iter().copied().collect();
-                let positions: Vec<_> = swept.iter().map(|view| position(&view.X_BC)).collect();
-                kmeans(&positions, count, seed)?
+            Method::Random => random(self.survey.views.len() - self.survey.off_grid, count, seed),
+            Method::KMeansJoints | Method::KMeansPositions => {
+                let features = self.features(method)?.unwrap_or_default();
+                KMeans::new(&features, seed).members(count)?
             }
         };
         Ok(self.assess(selected))
+    }
+
+    /// What `method` clusters: of each view the joint values, or the camera's position in the base frame; none if it does not
+    /// cluster.
+    ///
+    /// # Errors
+    /// When the values are not finite.
+    pub(crate) fn features(&self, method: Method) -> Result<Option<Points>, ClusteringError> {
+        // The baselines know nothing of views off the grid.
+        let views = self.survey.views[..self.survey.views.len() - self.survey.off_grid].iter();
+        match method {
+            Method::KMeansJoints => Points::new(views.map(|view| &view.q)).map(Some),
+            Method::KMeansPositions => Points::new(views.map(|view| &view.X_BC.translation.vector)).map(Some),
+            _ => Ok(None),
+        }
     }
 
     /// Refuses a choice that leaves a combination of the intrinsics undetermined.

@@ -11,7 +11,7 @@ mod objective;
 mod off_grid;
 mod refined_survey;
 
-pub use baseline::{Clustering, ClusteringError, kmeans, lloyd, random};
+pub use baseline::{Clustering, ClusteringError, KMeans, Points, lloyd, random};
 pub use choice::{Choice, Reached};
 pub use chooser::Chooser;
 pub use constraints::ConstraintError;

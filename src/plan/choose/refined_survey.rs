@@ -58,7 +58,7 @@ mod tests {
         assert!(refined.views.windows(2).all(|pair| pair[0].id < pair[1].id));
         let checks = problem.checks();
         for view in added {
-            assert_eq!(checks.view(view.id, view.q.clone()).as_ref(), Ok(view));
+            assert_eq!(checks.view(view.id, &view.q).as_ref(), Ok(view));
             assert_ne!(view.axis_case(&problem.target), AxisCase::Outside);
         }
         let value = |survey: &Survey| Chooser::new(&problem, survey).unwrap().best(10, 0).unwrap().0.log_value;

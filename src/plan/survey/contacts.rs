@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::feasibility::{Checks, LinkPair, Rejection};
 use crate::problem::Problem;
-use crate::sweep::JointSpace;
+use crate::sweep::{Candidates, JointSpace};
 
 /// Two links in each other's way, in candidates that only collisions keep from being views.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,15 +26,20 @@ const TRIED: usize = 200_000;
 const LOOKED_AT: usize = 1000;
 
 /// The pairs of links that collide in candidates rejected for collision, those that do most often first.
-pub(crate) fn contacts(problem: &Problem, checks: &Checks, space: &JointSpace, candidates: &[usize]) -> Vec<Contact> {
+pub(crate) fn contacts(
+    problem: &Problem,
+    checks: &Checks,
+    space: &JointSpace,
+    candidates: &Candidates,
+) -> Vec<Contact> {
     let tree = &problem.robot.tree;
     let collides = |&id: &usize| -> Option<Vec<f64>> {
-        let verdict = checks.view(id, space.configuration(id));
-        let collides = matches!(verdict, Err(Rejection::SelfCollision | Rejection::SceneCollision));
-        collides.then(|| space.configuration(id))
+        let q = space.configuration(id);
+        let verdict = checks.view(id, &q);
+        matches!(verdict, Err(Rejection::SelfCollision | Rejection::SceneCollision)).then_some(q)
     };
     let step = candidates.len().div_ceil(TRIED).max(1);
-    let tried: Vec<usize> = candidates.iter().copied().step_by(step).collect();
+    let tried: Vec<usize> = candidates.iter().step_by(step).collect();
     let mut found: Vec<Vec<f64>> = tried.par_iter().filter_map(collides).collect();
     found.truncate(LOOKED_AT);
     let gaps: Vec<Vec<(LinkPair, f64)>> =

@@ -181,7 +181,7 @@ fn against_bodies(problem: &Problem, seeing: &[&Look]) -> (usize, Option<Obstacl
     }
     let held = &seeing[..seeing.len().min(HELD_AGAINST_BODIES)];
     let configuration = |look: &Look| problem.space.configuration(look.id);
-    let verdicts: Vec<_> = held.par_iter().map(|look| checks.view(look.id, configuration(look)).err()).collect();
+    let verdicts: Vec<_> = held.par_iter().map(|look| checks.view(look.id, &configuration(look)).err()).collect();
     let count = |reason: Rejection| verdicts.iter().filter(|&&verdict| verdict == Some(reason)).count();
     let reasons = [Rejection::Unstable, Rejection::SelfCollision, Rejection::SceneCollision, Rejection::Occluded];
     let taken = verdicts.iter().filter(|verdict| verdict.is_none()).count();

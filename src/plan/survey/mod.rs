@@ -24,7 +24,7 @@ use crate::feasibility::{Checks, LinkPairs, Rejection, View, feasible_views};
 use crate::figures::grouped;
 use crate::problem::{Problem, Robustness};
 use crate::selection::InformationSet;
-use crate::sweep::{Sweep, sweep};
+use crate::sweep::{Candidates, Sweep, sweep};
 use contacts::contacts;
 use scenarios::certain;
 
@@ -188,7 +188,7 @@ pub(crate) fn feasible(problem: &Problem, sweep: &Sweep) -> Result<Feasible, Sur
 pub(crate) fn certain_views(
     problem: &Problem,
     checks: &Checks,
-    candidates: &[usize],
+    candidates: &Candidates,
 ) -> (Vec<View>, [usize; Rejection::ALL.len()]) {
     let (views, mut rejected) = feasible_views(checks, &problem.space, candidates);
     let seen_as_stated = views.len();
@@ -257,7 +257,7 @@ impl Survey {
             .ok_or_else(|| SurveyError::undetermined(problem))?;
         let scenarios = Scenario::all(problem, &views)?;
         Ok(Self {
-            sweep: Sweep { swept: views.len(), inside: 0, edge: 0, candidates: Vec::new() },
+            sweep: Sweep { swept: views.len(), ..Sweep::default() },
             views,
             rejected: [0; Rejection::ALL.len()],
             links: LinkPairs::default(),

@@ -1,5 +1,7 @@
 //! More candidates where they count: around poses that were picked.
 
+use std::ops::Range;
+
 use super::scenarios::certain;
 use super::{Survey, SurveyError};
 use crate::feasibility::{Checks, View};
@@ -22,6 +24,9 @@ pub(crate) fn spacings(problem: &Problem) -> Vec<f64> {
         }
     }
 }
+
+/// Configurations that are tried in a row, at most.
+const ROW: usize = 64;
 
 /// Tries configurations within `radii` of the picks, evenly among them, and adds those that are views.
 pub(crate) fn join(
@@ -46,11 +51,19 @@ pub(crate) fn join(
     // Numbers go on after those of the swept configurations and of the rounds before.
     let first = problem.space.len() + survey.refined;
     let tried = each * samples.len();
-    let view = |n: usize| -> Option<View> {
-        let view = checks.view(first + n, samples[n / each].configuration(n % each)).ok()?;
-        (problem.axis == AxisRule::Any || view.axis_case(&problem.target) != AxisCase::Outside).then_some(view)
+    let views_of = |(pick, points): (usize, Range<usize>)| {
+        let mut views: Vec<View> = vec![];
+        samples[pick].visit(points, |n, q| {
+            let Ok(view) = checks.view(first + pick * each + n, q) else { return };
+            if problem.axis == AxisRule::Any || view.axis_case(&problem.target) != AxisCase::Outside {
+                views.push(view);
+            }
+        });
+        views
     };
-    let views: Vec<View> = (0..tried).into_par_iter().with_min_len(64).filter_map(view).collect();
+    let rows = |pick| (0..each).step_by(ROW).map(move |start| (pick, start..each.min(start + ROW)));
+    let rows: Vec<(usize, Range<usize>)> = (0..samples.len()).flat_map(rows).collect();
+    let views: Vec<View> = rows.into_par_iter().flat_map_iter(views_of).collect();
     survey.append(Survey::of(problem, certain(problem, views))?);
     survey.refined += tried;
     Ok(())
@@ -124,6 +137,6 @@ impl Survey {
 /// The view from joint values that poses may have; `None` if they may not, or it is no view.
 fn off_grid_view(problem: &Problem, checks: &Checks, id: usize, q: &[f64]) -> Option<View> {
     let settable = problem.robot.chain.joints.iter().zip(q).all(|(joint, &q)| joint.settable(q) == q);
-    let view = if settable { checks.view(id, q.to_vec()).ok()? } else { return None };
+    let view = if settable { checks.view(id, q).ok()? } else { return None };
     (problem.axis == AxisRule::Any || view.axis_case(&problem.target) != AxisCase::Outside).then_some(view)
 }

@@ -25,33 +25,35 @@ pub struct Scenario {
 const TOGETHER: usize = 16;
 
 /// Those of `views` that are views in the share of the drawn set-ups that the problem demands.
-pub(super) fn certain(problem: &Problem, views: Vec<View>) -> Vec<View> {
+pub(super) fn certain(problem: &Problem, mut views: Vec<View>) -> Vec<View> {
     let Some(Robustness { draws, seen_share, .. }) = problem.robust else { return views };
     let most_missed = draws - (seen_share * draws as f64 - 1e-9).ceil() as usize;
     let stated = Scene::new(problem);
+    let mut missed = vec![0; views.len()];
     // The stated set-up is the first draw.
-    let mut left: Vec<(View, usize)> = views.into_iter().map(|view| (view, 0)).collect();
     let mut draw = 1;
     while draw < draws {
         let together = draw..(draw + TOGETHER).min(draws);
-        let missed: Vec<Vec<bool>> = together
+        let misses: Vec<Vec<bool>> = together
             .clone()
             .into_par_iter()
             .map(|draw| {
                 let drawn = problem.drawn(problem.selection.seed, draw);
                 let scene = stated.of_drawn(&drawn);
-                left.par_iter().map(|(view, _)| scene.view(view).is_none()).collect()
+                views.par_iter().map(|view| scene.view(view).is_none()).collect()
             })
             .collect();
-        for missed in missed {
-            for ((_, count), missed) in left.iter_mut().zip(missed) {
-                *count += usize::from(missed);
+        for misses in misses {
+            for (count, is_missed) in missed.iter_mut().zip(misses) {
+                *count += usize::from(is_missed);
             }
         }
-        left.retain(|&(_, missed)| missed <= most_missed);
+        let mut counts = missed.iter();
+        views.retain(|_| counts.next().is_some_and(|&count| count <= most_missed));
+        missed.retain(|&count| count <= most_missed);
         draw = together.end;
     }
-    left.into_iter().map(|(view, _)| view).collect()
+    views
 }
 
 impl Scenario {
@@ -71,13 +73,16 @@ impl Scenario {
     fn new(stated: &Scene, problem: Problem, views: &[View]) -> Result<Self, SurveyError> {
         let scene = stated.of_drawn(&problem);
         let order = scene.measurement.order();
-        let nothing = vec![0.0; packed_len(order)];
-        let information = views.par_iter().map(|view| match scene.view(view) {
-            Some(view) => scene.measurement.information(&view.X_CT, &view.seen),
-            None => Some(nothing.clone()),
+        let length = packed_len(order);
+        let mut table = vec![0.0; views.len() * length];
+        let found = table.par_chunks_exact_mut(length).zip(views).try_for_each(|(row, view)| {
+            if let Some(view) = scene.view(view) {
+                row.copy_from_slice(&scene.measurement.information(&view.X_CT, &view.seen)?);
+            }
+            Some(())
         });
-        let information = information.collect::<Option<Vec<_>>>().ok_or_else(|| SurveyError::undetermined(&problem))?;
-        let information = InformationSet::from_packed_trusted(order, information.concat());
+        found.ok_or_else(|| SurveyError::undetermined(&problem))?;
+        let information = InformationSet::from_packed_trusted(order, table);
         let map_weight = problem.unknowns().map_error_weight();
         Ok(Self { problem, information, map_weight })
     }
@@ -107,7 +112,7 @@ impl<'a> Scene<'a> {
 
     /// What the configuration of a view shows here; `None` if it is no view.
     pub(crate) fn view(&self, view: &View) -> Option<View> {
-        self.look(view.id, view.q.clone())
+        self.look(view.id, &view.q)
     }
 
     /// Predicted map error of what is seen, px, beside the information known already; infinite where that does not determine
@@ -120,7 +125,7 @@ impl<'a> Scene<'a> {
     }
 
     /// What the joint values `q` of configuration `id` show here; `None` if that is no view.
-    pub(crate) fn look(&self, id: usize, q: Vec<f64>) -> Option<View> {
+    pub(crate) fn look(&self, id: usize, q: &[f64]) -> Option<View> {
         self.checks.view(id, q).ok()
     }
 }

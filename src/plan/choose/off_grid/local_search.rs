@@ -55,8 +55,8 @@ impl<'a> LocalSearch<'a> {
     /// none, or not allowed beside `others`.
     pub(crate) fn look(&self, id: usize, q: &[f64], others: &[&View]) -> Option<Candidate> {
         let joints = &self.problem.robot.chain.joints;
-        let q = joints.iter().zip(q).map(|(joint, &q)| joint.settable(q)).collect();
-        let view = self.scenes[0].look(id, q)?;
+        let q: Vec<f64> = joints.iter().zip(q).map(|(joint, &q)| joint.settable(q)).collect();
+        let view = self.scenes[0].look(id, &q)?;
         if !allows(self.problem, others, &view) || !self.is_certain(&view) {
             return None;
         }
@@ -200,7 +200,7 @@ mod tests {
                 assert!((quarters - quarters.round()).abs() < 1e-9, "{quarters}");
                 assert!(joint.range().min <= *q && *q <= joint.range().max);
             }
-            assert_eq!(problem.checks().view(found.view.id, found.view.q.clone()).as_ref(), Ok(&found.view));
+            assert_eq!(problem.checks().view(found.view.id, &found.view.q).as_ref(), Ok(&found.view));
         }
         assert!(higher > 10, "{higher}");
     }
@@ -217,7 +217,7 @@ mod tests {
         let checks: Vec<_> = drawn.iter().map(Problem::checks).collect();
         let (mut certain, mut uncertain) = (0, 0);
         for view in &stated.views {
-            let seen = 1 + checks.iter().filter(|checks| checks.view(view.id, view.q.clone()).is_ok()).count();
+            let seen = 1 + checks.iter().filter(|checks| checks.view(view.id, &view.q).is_ok()).count();
             let found = search.look(view.id, &view.q, &[]);
             assert_eq!(found.is_some(), seen >= 3, "{} in {seen} of 4", view.id);
             *(if seen >= 3 { &mut certain } else { &mut uncertain }) += 1;
