@@ -54,11 +54,20 @@ pub fn exchange(instance: &Instance, selected: Vec<usize>) -> Result<Vec<usize>,
 
 /// As [`exchange`], of a selection known to be one.
 pub(super) fn improved(instance: &Instance, selected: Vec<usize>) -> Vec<usize> {
+    improved_through(instance, selected, &SOFTNESSES)
+}
+
+/// As [`improved`], of a selection that is good already: by the least softness alone, which does not lead far away from it.
+pub(super) fn improved_nearby(instance: &Instance, selected: Vec<usize>) -> Vec<usize> {
+    improved_through(instance, selected, &SOFTNESSES[SOFTNESSES.len() - 1..])
+}
+
+fn improved_through(instance: &Instance, selected: Vec<usize>, softnesses: &[f64]) -> Vec<usize> {
     let value = |selected: &Vec<usize>| instance.log_value_at(&instance.total(selected));
     let mut current = regular(instance, selected);
     let mut best = ascend(instance, current.clone(), usize::MAX);
     if !instance.is_smooth() {
-        for softness in SOFTNESSES {
+        for &softness in softnesses {
             current = ascend(&instance.softened(softness), current, SOFT_WIDTH);
             let candidate = ascend(instance, current.clone(), usize::MAX);
             if value(&candidate) > value(&best) {

@@ -183,21 +183,17 @@ impl InformationFunction {
     pub(crate) fn log_values(&self, m: &mut [Lanes], p: usize, above: f64) -> Lanes {
         let lane_of = |m: &[Lanes], lane: usize| m.iter().map(|entry| entry[lane]).collect::<Vec<f64>>();
         if let InformationFunction::MinEigenvalue { softness } = self {
-            let candidates = if *softness == 0.0 && above.is_finite() {
-                lanes::dispatch(|| lanes::exceed(m, p, above.exp()))
-            } else {
-                [true; LANES]
-            };
+            let candidates =
+                if *softness == 0.0 && above.is_finite() { lanes::exceed(m, p, above.exp()) } else { [true; LANES] };
             return std::array::from_fn(|lane| {
                 if candidates[lane] { self.log_value(&mut lane_of(m, lane), p) } else { f64::NEG_INFINITY }
             });
         }
-        let (is_definite, is_clearly_resolved) =
-            lanes::dispatch(|| (lanes::cholesky(m, p), lanes::are_clearly_resolved(m, p)));
+        let (is_definite, is_clearly_resolved) = lanes::factor(m, p);
         let is_regular: [bool; LANES] = std::array::from_fn(|lane| {
             is_definite[lane] && (is_clearly_resolved[lane] || is_resolved(&lane_of(m, lane), p))
         });
-        let variances = |factor: &DMatrix<f64>| lanes::dispatch(|| lanes::variance(m, factor.as_slice(), p));
+        let variances = |factor: &DMatrix<f64>| lanes::variance(m, factor.as_slice(), p);
         let log_values = match self {
             InformationFunction::Determinant => {
                 std::array::from_fn(|lane| log_det_of((0..p).map(|i| m[packed_len(i) + i][lane])) / p as f64)
@@ -209,7 +205,7 @@ impl InformationFunction {
                 std::array::from_fn(|lane| if is_regular[lane] { least(&value(lane), *softness) } else { f64::NAN })
             }
             InformationFunction::Eliminated { nuisance, of } => {
-                let mut S = lanes::dispatch(|| lanes::last_block(m, p, *nuisance));
+                let mut S = lanes::last_block(m, p, *nuisance);
                 of.log_values(&mut S, p - nuisance, above)
             }
             InformationFunction::MinEigenvalue { .. } => [f64::NAN; LANES],

@@ -344,10 +344,17 @@ mod tests {
         let mut rng = Xoshiro256Plus::seed_from_u64(4);
         let p = 9;
         let mut draw = || DMatrix::from_fn(p, 1, |_, _| rng.sample::<f64, _>(StandardNormal));
-        let matrices: Vec<DMatrix<f64>> = (0..4525).map(|_| draw()).map(|g| &g * g.transpose()).collect();
-        let sum = matrices.iter().fold(DMatrix::zeros(p, p), |sum, M| sum + M);
-        let whitener = (sum * (20.0 / 4525.0)).cholesky().unwrap().l().try_inverse().unwrap();
-        let whitened: Vec<DMatrix<f64>> = matrices.iter().map(|M| &whitener * M * whitener.transpose()).collect();
+        let mut vectors: Vec<DMatrix<f64>> = (0..50).map(|_| draw()).collect();
+        let sum = vectors.iter().fold(DMatrix::zeros(p, p), |sum, g| sum + g * g.transpose());
+        let L = sum.cholesky().unwrap().l();
+        for vector in &mut vectors[..20] {
+            let mut white = draw();
+            white[p - 1] *= 1e-5;
+            *vector = &L * white;
+        }
+        let whitener = L.try_inverse().unwrap();
+        let whitened = vectors.iter().map(|g| &whitener * (g * g.transpose()) * whitener.transpose());
+        let whitened: Vec<DMatrix<f64>> = whitened.collect();
         let least = |M: &DMatrix<f64>| {
             let scale = M.diagonal().map(f64::sqrt);
             DMatrix::from_fn(p, p, |i, j| M[(i, j)] / (scale[i] * scale[j])).symmetric_eigenvalues().min()

@@ -1,10 +1,9 @@
 //! The arithmetic of [`packed`](super::packed) on several matrices at once, entry beside entry: to the same bits, lane by lane, but
 //! with every vector instruction that the processor has.
 
-#![allow(
-    clippy::inline_always,
-    reason = "must be compiled for the processor that is at hand, with what dispatches them"
-)]
+#![allow(clippy::inline_always, reason = "what is dispatched is compiled for the processor only where it is inlined")]
+
+use pulp::Arch;
 
 use super::packed::{RESOLUTION, packed_len};
 
@@ -17,14 +16,63 @@ pub(crate) type Lanes = [f64; LANES];
 /// Allowance for the rounding of a factorisation, as a share of the matrix's trace.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// Runs `work` compiled for the processor that is at hand.
-pub(crate) fn dispatch<T>(work: impl FnOnce() -> T) -> T {
-    pulp::Arch::new().dispatch(work)
+/// Replaces each packed M by its Cholesky factor, as [`packed::cholesky`](super::packed::cholesky) does: of each matrix whether it has
+/// one, and whether the determinant alone shows that it [`packed::is_resolved`](super::packed::is_resolved).
+pub(crate) fn factor(m: &mut [Lanes], p: usize) -> ([bool; LANES], [bool; LANES]) {
+    Arch::new().dispatch(
+        #[inline(always)]
+        || (cholesky(m, p), are_clearly_resolved(m, p)),
+    )
 }
 
-/// As [`packed::cholesky`](super::packed::cholesky); true for each matrix that has the factor.
+/// Of each factor `tr(Xᵀ M⁻¹ X)`, X being given by its columns of length p one after the other.
+pub(crate) fn variance(l: &[Lanes], columns: &[f64], p: usize) -> Lanes {
+    let mut short = [[0.0; LANES]; 16];
+    let mut long = Vec::new();
+    let white = if p <= short.len() {
+        &mut short[..p]
+    } else {
+        long.resize(p, [0.0; LANES]);
+        &mut long
+    };
+    Arch::new().dispatch(
+        #[inline(always)]
+        || sum_of_squares(l, columns, p, white),
+    )
+}
+
+/// Of each factor L of a matrix the packed product `L₂₂ L₂₂ᵀ` of its last block, without the first `skipped` rows and columns.
+pub(crate) fn last_block(l: &[Lanes], p: usize, skipped: usize) -> Vec<Lanes> {
+    let row = |i: usize| &l[packed_len(i) + skipped..=packed_len(i) + i];
+    let places = (skipped..p).flat_map(|i| (skipped..=i).map(move |j| (i, j)));
+    places.map(|(i, j)| dot(row(i), row(j))).collect()
+}
+
+/// Of each matrix whether its least eigenvalue may exceed a positive `level`: not if it certainly, beyond rounding, does not.
+pub(crate) fn exceed(m: &[Lanes], p: usize, level: f64) -> [bool; LANES] {
+    let mut shifted = m.to_vec();
+    Arch::new().dispatch(
+        #[inline(always)]
+        || {
+            let diagonal = (0..p).map(|i| packed_len(i) + i);
+            let mut trace = [0.0; LANES];
+            for place in diagonal.clone() {
+                for lane in 0..LANES {
+                    trace[lane] += m[place][lane];
+                }
+            }
+            for place in diagonal {
+                for lane in 0..LANES {
+                    shifted[place][lane] -= level * (1.0 - 1e-9) - ROUNDING * trace[lane];
+                }
+            }
+            cholesky(&mut shifted, p)
+        },
+    )
+}
+
 #[inline(always)]
-pub(crate) fn cholesky(m: &mut [Lanes], p: usize) -> [bool; LANES] {
+fn cholesky(m: &mut [Lanes], p: usize) -> [bool; LANES] {
     let mut is_definite = [true; LANES];
     for i in 0..p {
         let (before, rest) = m.split_at_mut(packed_len(i));
@@ -47,9 +95,8 @@ pub(crate) fn cholesky(m: &mut [Lanes], p: usize) -> [bool; LANES] {
     is_definite
 }
 
-/// Of each factor whether its determinant alone shows that [`packed::is_resolved`](super::packed::is_resolved).
 #[inline(always)]
-pub(crate) fn are_clearly_resolved(l: &[Lanes], p: usize) -> [bool; LANES] {
+fn are_clearly_resolved(l: &[Lanes], p: usize) -> [bool; LANES] {
     let mut determinant = [1.0; LANES];
     for i in 0..p {
         let row = &l[packed_len(i)..=packed_len(i) + i];
@@ -61,18 +108,10 @@ pub(crate) fn are_clearly_resolved(l: &[Lanes], p: usize) -> [bool; LANES] {
     determinant.map(|determinant| determinant > std::f64::consts::E * p as f64 * RESOLUTION)
 }
 
-/// Of each factor `tr(Xᵀ M⁻¹ X)`, X being given by its columns of length p one after the other.
+/// The squares of the entries of `L⁻¹ X`; `white` is work space for one of its columns.
 #[inline(always)]
-pub(crate) fn variance(l: &[Lanes], columns: &[f64], p: usize) -> Lanes {
-    let mut short = [[0.0; LANES]; 16];
-    let mut long = Vec::new();
-    let white = if p <= short.len() {
-        &mut short[..p]
-    } else {
-        long.resize(p, [0.0; LANES]);
-        &mut long
-    };
-    let mut variance = [0.0; LANES];
+fn sum_of_squares(l: &[Lanes], columns: &[f64], p: usize, white: &mut [Lanes]) -> Lanes {
+    let mut sum = [0.0; LANES];
     for column in columns.chunks_exact(p) {
         let mut squares = [0.0; LANES];
         for i in 0..p {
@@ -85,40 +124,10 @@ pub(crate) fn variance(l: &[Lanes], columns: &[f64], p: usize) -> Lanes {
             }
         }
         for lane in 0..LANES {
-            variance[lane] += squares[lane];
+            sum[lane] += squares[lane];
         }
     }
-    variance
-}
-
-/// Of each factor L of a matrix the packed product `L₂₂ L₂₂ᵀ` of its last block, without the first `skipped` rows and columns.
-#[inline(always)]
-pub(crate) fn last_block(l: &[Lanes], p: usize, skipped: usize) -> Vec<Lanes> {
-    let row = |i: usize| &l[packed_len(i) + skipped..=packed_len(i) + i];
-    let mut block = Vec::with_capacity(packed_len(p - skipped));
-    for i in skipped..p {
-        block.extend((skipped..=i).map(|j| dot(row(i), row(j))));
-    }
-    block
-}
-
-/// Of each matrix whether its least eigenvalue may exceed a positive `level`: not if it certainly, beyond rounding, does not.
-#[inline(always)]
-pub(crate) fn exceed(m: &[Lanes], p: usize, level: f64) -> [bool; LANES] {
-    let mut trace = [0.0; LANES];
-    let diagonal = (0..p).map(|i| packed_len(i) + i);
-    for place in diagonal.clone() {
-        for lane in 0..LANES {
-            trace[lane] += m[place][lane];
-        }
-    }
-    let mut shifted = m.to_vec();
-    for place in diagonal {
-        for lane in 0..LANES {
-            shifted[place][lane] -= level * (1.0 - 1e-9) - ROUNDING * trace[lane];
-        }
-    }
-    cholesky(&mut shifted, p)
+    sum
 }
 
 /// `Σ aᵢ bᵢ`.
