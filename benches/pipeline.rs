@@ -30,6 +30,9 @@ fn servosila() -> Problem {
 /// The grid that the sweep is timed on: 57 million configurations.
 const GRID: &str = "sweep.step_deg=2.4";
 
+/// The grid that the selection among many views is timed on.
+const FINE_GRID: &str = "sweep.step_deg=4";
+
 fn sweeping(bench: &mut Bench) {
     let grid = Overrides::new().set(GRID).expect("a key and its value");
     let problem = Problem::read_with(Path::new(SERVOSILA), &grid).expect("the step fits");
@@ -139,6 +142,15 @@ fn selection(bench: &mut Bench) {
     }
 }
 
+fn selection_among_many(bench: &mut Bench) {
+    let grid = Overrides::new().set(FINE_GRID).expect("a key and its value");
+    let problem = Problem::read_with(Path::new(SERVOSILA), &grid).expect("the step fits");
+    let survey = survey(&problem, &|_| {}).expect("the shipped problem has views");
+    let variance = InformationFunction::variance(&survey.map_weight);
+    let instance = Instance::new(&survey.information, None, &variance, 10).expect("the views suffice");
+    stages(bench, "servosila v k=10, 64 225 views", &instance);
+}
+
 /// Views of rank six in nine parameters, two decades of units apart and of unequal size.
 fn hetero(n: usize, p: usize) -> InformationSet {
     let mut rng = Xoshiro256Plus::seed_from_u64(9);
@@ -158,7 +170,21 @@ fn random_instances(bench: &mut Bench) {
     let function = InformationFunction::Determinant;
     let instance = Instance::new(&candidates, None, &function, 20).expect("the views suffice");
     stages(bench, "hetero d n=10735 p=9 k=20", &instance);
+    let candidates = hetero(4525, 9);
+    let function = InformationFunction::min_eigenvalue();
+    let instance = Instance::new(&candidates, None, &function, 20).expect("the views suffice");
+    stages(bench, "hetero e n=4525 p=9 k=20", &instance);
 }
 
-criterion_group!(benches, sweeping, feasibility, information, many_views, clustering, selection, random_instances);
+criterion_group!(
+    benches,
+    sweeping,
+    feasibility,
+    information,
+    many_views,
+    clustering,
+    selection,
+    selection_among_many,
+    random_instances
+);
 criterion_main!(benches);

@@ -1,17 +1,26 @@
-//! The default: greedy, the relaxation, its rounding, and exchange from both.
+//! The default: greedy, the relaxation, its roundings, and exchange from all of them.
 
+use rand::seq::SliceRandom;
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256Plus;
 use rayon::prelude::*;
 
 use super::error::SelectionError;
-use super::exchange::{improved, improved_greedy};
-use super::instance::Instance;
+use super::exchange::{improved, improved_greedy, improved_nearby};
+use super::greedy::start;
+use super::instance::{Instance, Part};
 use super::relaxation::{Relaxation, RelaxationSettings, relax};
 
 /// Random roundings tried beside the k largest weights, of functions without and with kinks, on which exchange takes longer.
 const ROUNDINGS: usize = 16;
 const ROUNDINGS_AT_KINKS: usize = 6;
+
+/// Rounds of kicks at kinks, and the kicks of each. A kick replaces one in so many members by others, drawn from so many times k
+/// candidates of the best scores.
+const KICK_ROUNDS: usize = 4;
+const KICKS: usize = 16;
+const KICKED: usize = 3;
+const KICKS_AMONG: usize = 15;
 
 /// A selection with the relaxation that bounds it.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,22 +61,23 @@ impl Best {
 /// # Errors
 /// As [`improved_greedy`].
 pub fn best(instance: &Instance, settings: &RelaxationSettings, seed: u64) -> Result<Best, SelectionError> {
-    let start = improved_greedy(instance)?;
-    let total = instance.total(&start);
-    let relaxation = relax(instance, &start, settings)?;
-    let mut best = Best { log_value: instance.log_value_at(&total), selected: start, relaxation };
-    let mut rng = Xoshiro256Plus::seed_from_u64(seed);
-    let mut starts = vec![];
-    for round in 0..=if instance.is_smooth() { ROUNDINGS } else { ROUNDINGS_AT_KINKS } {
-        let order = if round == 0 { best.relaxation.by_weight() } else { best.relaxation.drawn_by_weight(&mut rng) };
-        if let Some(rounded) = first_allowed(instance, instance.required(), &order)
-            && rounded != best.selected
-            && !starts.contains(&rounded)
-        {
-            starts.push(rounded);
-        }
-    }
-    let improved: Vec<_> = starts.into_par_iter().map(|start| improved(instance, start)).collect();
+    let (picked, relaxation) = relax_from_greedy(instance, settings)?;
+    let starts = starts(instance, picked, &relaxation, seed);
+    let incumbent = improved_within(instance, &starts, &relaxation);
+    // A selection that beats the incumbent holds none but these, so that exchange needs to look at no others.
+    let scored = relaxation.certificate.open_above(instance, instance.log_value_at(&instance.total(&incumbent)));
+    let open = scored.iter().map(|&(i, _)| i);
+    let members = ascending(open.chain(starts.iter().flatten().copied()).chain(incumbent.iter().copied()));
+    let starts = starts.into_iter().chain([incumbent]);
+    let improved: Vec<Vec<usize>> = if members.len() > instance.len() / 2 {
+        starts.collect::<Vec<_>>().into_par_iter().map(|start| improved(instance, start)).collect()
+    } else {
+        let part = Part::new(instance, members);
+        let of_part = part.instance();
+        let starts: Vec<_> = starts.map(|start| part.places(&start)).collect();
+        starts.into_par_iter().map(|start| part.members(&improved(&of_part, start))).collect()
+    };
+    let mut best = Best { selected: vec![], log_value: f64::NEG_INFINITY, relaxation };
     for selected in improved {
         let log_value = instance.log_value_at(&instance.total(&selected));
         if log_value > best.log_value {
@@ -75,7 +85,100 @@ pub fn best(instance: &Instance, settings: &RelaxationSettings, seed: u64) -> Re
             best.log_value = log_value;
         }
     }
+    if !instance.is_smooth() {
+        let kicked = kicked(instance, &best, scored, seed);
+        let log_value = instance.log_value_at(&instance.total(&kicked));
+        if log_value > best.log_value {
+            best.selected = kicked;
+            best.log_value = log_value;
+        }
+    }
     Ok(best)
+}
+
+/// Iterated local search around the best selection (Lourenço, Martin and Stützle 2003), among the candidates of the best scores:
+/// at kinks exchange ends in many local optima, often close to each other.
+fn kicked(instance: &Instance, best: &Best, mut scored: Vec<(usize, f64)>, seed: u64) -> Vec<usize> {
+    let most = (KICKS_AMONG * instance.count()).min(scored.len());
+    scored.sort_unstable_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    let weighted = best.relaxation.weights.iter().map(|&(i, _)| i);
+    let scored = scored[..most].iter().map(|&(i, _)| i);
+    let part = Part::new(instance, ascending(scored.chain(weighted).chain(best.selected.iter().copied())));
+    let of_part = part.instance();
+    let mut rng = Xoshiro256Plus::seed_from_u64(seed);
+    let mut selected = part.places(&best.selected);
+    let mut log_value = best.log_value;
+    for _ in 0..KICK_ROUNDS {
+        let kicks = (0..KICKS).filter_map(|_| kick(&of_part, &selected, &mut rng)).collect::<Vec<_>>();
+        let improved: Vec<Vec<usize>> = kicks.into_par_iter().map(|kick| improved_nearby(&of_part, kick)).collect();
+        for found in improved {
+            let value = of_part.log_value_at(&of_part.total(&found));
+            if value > log_value {
+                (selected, log_value) = (found, value);
+            }
+        }
+    }
+    improved(instance, part.members(&selected))
+}
+
+/// A selection in which some, drawn at random, gave place to others; `None` where the constraints leave too few.
+fn kick(instance: &Instance, selected: &[usize], rng: &mut impl Rng) -> Option<Vec<usize>> {
+    let mut kept: Vec<usize> = selected.to_vec();
+    kept.shuffle(rng);
+    kept.sort_by_key(|&i| instance.is_open(i));
+    kept.truncate((instance.count() - instance.count().div_ceil(KICKED)).max(instance.required().len()));
+    let mut others: Vec<usize> = (0..instance.len()).filter(|i| !selected.contains(i)).collect();
+    others.shuffle(rng);
+    first_allowed(instance, &kept, &others)
+}
+
+/// Greedy's picks, improved by exchange where they are singular, and the relaxation from there.
+///
+/// # Errors
+/// As [`improved_greedy`].
+pub(crate) fn relax_from_greedy(
+    instance: &Instance,
+    settings: &RelaxationSettings,
+) -> Result<(Vec<usize>, Relaxation), SelectionError> {
+    let picked = start(instance)?;
+    let picked = if instance.is_singular(&picked) { improved_greedy(instance)? } else { picked };
+    let relaxation = relax(instance, &picked, settings)?;
+    Ok((picked, relaxation))
+}
+
+/// Greedy's picks and roundings of the relaxation, each once.
+fn starts(instance: &Instance, picked: Vec<usize>, relaxation: &Relaxation, seed: u64) -> Vec<Vec<usize>> {
+    let mut rng = Xoshiro256Plus::seed_from_u64(seed);
+    let mut starts = vec![ascending(picked)];
+    for round in 0..=if instance.is_smooth() { ROUNDINGS } else { ROUNDINGS_AT_KINKS } {
+        let order = if round == 0 { relaxation.by_weight() } else { relaxation.drawn_by_weight(&mut rng) };
+        if let Some(rounded) = first_allowed(instance, instance.required(), &order)
+            && !starts.contains(&rounded)
+        {
+            starts.push(rounded);
+        }
+    }
+    starts
+}
+
+/// The best of the first two starts, improved by exchange among their own candidates and those of positive weight.
+fn improved_within(instance: &Instance, starts: &[Vec<usize>], relaxation: &Relaxation) -> Vec<usize> {
+    let starts = &starts[..starts.len().min(2)];
+    let weighted = relaxation.weights.iter().map(|&(i, _)| i);
+    let part = Part::new(instance, ascending(weighted.chain(starts.iter().flatten().copied())));
+    let of_part = part.instance();
+    let value = |selected: &Vec<usize>| of_part.log_value_at(&of_part.total(selected));
+    let improved = starts.iter().map(|start| improved(&of_part, part.places(start)));
+    let best = improved.reduce(|best, other| if value(&other) > value(&best) { other } else { best });
+    best.map_or_else(Vec::new, |best| part.members(&best))
+}
+
+/// The candidates in ascending order, each once.
+pub(super) fn ascending(candidates: impl IntoIterator<Item = usize>) -> Vec<usize> {
+    let mut candidates: Vec<usize> = candidates.into_iter().collect();
+    candidates.sort_unstable();
+    candidates.dedup();
+    candidates
 }
 
 /// `included` and the first candidates in `order` that the constraints allow beside those before them, as many as asked for

@@ -95,6 +95,23 @@ impl Certificate {
         fits(instance, &self.y, &self.prices)
     }
 
+    /// The candidates that a selection of log Φ above `log_value` may hold, ascending, each with its score less the prices of
+    /// its caps: the required ones, those whose scores add up to S, and those whose score is not so much less than the last
+    /// of these that the bound, with them forced in, falls to `log_value`.
+    pub(super) fn open_above(&self, instance: &Instance, log_value: f64) -> Vec<(usize, f64)> {
+        let rules = instance.rules();
+        let mut reduced = instance.scores(&self.y);
+        rules.reduce(&mut reduced, &self.prices);
+        let (counted, least) = rules.greatest(&reduced, instance.count());
+        let gradient = Gradient { y: self.y.clone(), mixture: self.mixture.clone() };
+        // Not a number where Y bounds nothing, which excludes nothing.
+        let S = (self.log_bound + instance.log_polar(&gradient)).exp();
+        let bound_with = |i: usize| self.log_bound + (1.0 - (least - reduced[i]).max(0.0) / S).max(0.0).ln();
+        let reaches = |i: usize| S.is_nan() || bound_with(i) > log_value;
+        let is_open = |i: usize| (instance.is_open(i) && reaches(i)) || counted.binary_search(&i).is_ok();
+        (0..instance.len()).filter(|&i| is_open(i)).map(|i| (i, reduced[i])).collect()
+    }
+
     /// The share of the best possible Φ that a selection with this log Φ certainly reaches.
     pub fn efficiency(&self, log_value: f64) -> f64 {
         (log_value - self.log_bound).exp()

@@ -1,7 +1,9 @@
 //! Exchange (Fedorov 1972): swaps one selected candidate for another while that gains.
 
+use rayon::prelude::*;
+
 use super::error::SelectionError;
-use super::greedy::{highest, start};
+use super::greedy::{EVALUATED_PER_TASK, highest, start};
 use super::instance::Instance;
 
 /// Least gain in log Φ that counts as one.
@@ -16,6 +18,13 @@ const SOFT_WIDTH: usize = 150;
 
 /// Average views for each of the k that are assumed known, ever fewer, while swaps lead out of the singular selections.
 const RIDGES: [f64; 3] = [1e-2, 1e-4, 1e-6];
+
+/// Allowance for rounding when a bound is held against a value in log Φ.
+const ROUNDING: f64 = 1e-9;
+
+/// Swaps of one candidate that are evaluated together: first few, for they raise what the others must promise, then ever more.
+const FIRST_EVALUATED: usize = 16;
+const MOST_EVALUATED: usize = 4096;
 
 /// Greedy's picks, improved by [`exchange`].
 ///
@@ -45,11 +54,20 @@ pub fn exchange(instance: &Instance, selected: Vec<usize>) -> Result<Vec<usize>,
 
 /// As [`exchange`], of a selection known to be one.
 pub(super) fn improved(instance: &Instance, selected: Vec<usize>) -> Vec<usize> {
+    improved_through(instance, selected, &SOFTNESSES)
+}
+
+/// As [`improved`], of a selection that is good already: by the least softness alone, which does not lead far away from it.
+pub(super) fn improved_nearby(instance: &Instance, selected: Vec<usize>) -> Vec<usize> {
+    improved_through(instance, selected, &SOFTNESSES[SOFTNESSES.len() - 1..])
+}
+
+fn improved_through(instance: &Instance, selected: Vec<usize>, softnesses: &[f64]) -> Vec<usize> {
     let value = |selected: &Vec<usize>| instance.log_value_at(&instance.total(selected));
     let mut current = regular(instance, selected);
     let mut best = ascend(instance, current.clone(), usize::MAX);
     if !instance.is_smooth() {
-        for softness in SOFTNESSES {
+        for &softness in softnesses {
             current = ascend(&instance.softened(softness), current, SOFT_WIDTH);
             let candidate = ascend(instance, current.clone(), usize::MAX);
             if value(&candidate) > value(&best) {
@@ -79,11 +97,13 @@ fn ascend(instance: &Instance, mut selected: Vec<usize>, width: usize) -> Vec<us
         open[i] = false;
     }
     let mut total = instance.total(&selected);
-    while let Some(gradient) = instance.gradient_at(&total) {
+    while let Some(minorant) = instance.minorant_at(&total) {
+        let of_minorant = minorant.total(&selected);
+        let Some(gradient) = minorant.gradient_at(&of_minorant) else { break };
         let before = instance.log_value_at(&total);
-        let scores = instance.scores(&gradient.y);
+        let scores = minorant.scores(&gradient.y);
         selected.sort_unstable_by(|&a, &b| scores[a].total_cmp(&scores[b]).then(a.cmp(&b)));
-        let Some((place, j)) = best_swap(instance, &selected, &open, &total, &scores, width) else { break };
+        let Some((place, j)) = best_swap(&minorant, &selected, &open, &of_minorant, &scores, width) else { break };
         open[selected[place]] = true;
         open[j] = false;
         selected[place] = j;
@@ -113,31 +133,33 @@ fn best_swap(
     let lowest = leaving().next().map(|place| scores[selected[place]])?;
     let mut incoming = highest(scores, |j| open[j] && scores[j] > lowest, width.min(scores.len()));
     incoming.sort_unstable_by(|&a, &b| scores[b].total_cmp(&scores[a]).then(a.cmp(&b)));
-    let (mut without, mut work) = (Vec::new(), Vec::new());
     let mut best: Option<(usize, usize)> = None;
     let mut best_gain = LEAST_GAIN;
     let mut least_lead = best_gain.exp_m1();
     for place in leaving() {
         let i = selected[place];
-        if incoming.first().is_none_or(|&j| scores[j] - scores[i] <= least_lead) {
-            break;
-        }
-        without.clear();
-        without.extend(total);
+        let mut without = total.to_vec();
         instance.add_to(&mut without, i, -1.0);
-        for &j in &incoming {
-            if scores[j] - scores[i] <= least_lead {
+        let mut left = incoming.as_slice();
+        let mut most = FIRST_EVALUATED;
+        loop {
+            let leading = left.partition_point(|&j| scores[j] - scores[i] > least_lead);
+            if leading == 0 {
                 break;
             }
-            if !rules.is_free() && !rules.allows(selected, Some(i), j) {
-                continue;
+            let (next, rest) = left.split_at(leading.min(most));
+            let allowed = |&j: &usize| rules.is_free() || rules.allows(selected, Some(i), j);
+            let next: Vec<usize> = next.iter().copied().filter(allowed).collect();
+            let level = before + best_gain - ROUNDING;
+            let values = |part: &[usize]| instance.log_values_with(&without, part, level);
+            let values = next.par_chunks(EVALUATED_PER_TASK).map(values);
+            for (&j, value) in next.iter().zip(values.collect::<Vec<_>>().concat()) {
+                let gain = value - before;
+                if gain > best_gain {
+                    (best, best_gain, least_lead) = (Some((place, j)), gain, gain.exp_m1());
+                }
             }
-            work.clone_from(&without);
-            instance.add_to(&mut work, j, 1.0);
-            let gain = instance.log_value_in_place(&mut work) - before;
-            if gain > best_gain {
-                (best, best_gain, least_lead) = (Some((place, j)), gain, gain.exp_m1());
-            }
+            (left, most) = (rest, (2 * most).min(MOST_EVALUATED));
         }
     }
     best

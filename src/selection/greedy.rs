@@ -18,6 +18,9 @@ const MOST_GROWTH: f64 = 2.0;
 /// Candidates evaluated first in each step, so that the bound can spare the rest.
 const PROBES: usize = 64;
 
+/// Candidates evaluated by one task.
+pub(super) const EVALUATED_PER_TASK: usize = 128;
+
 /// Picks `instance.count()` candidates, first the required ones, then each the one that raises log Φ most; ties go to the
 /// lower index.
 ///
@@ -123,16 +126,16 @@ impl<'a> Scoreboard<'a> {
         self.bring_to(gradient.y.clone());
         let rules = instance.rules();
         let allowed = |i: usize| rules.is_free() || rules.allows(selected, None, i);
-        let value_with = |work: &mut Vec<f64>, i: usize| {
-            work.clear();
-            work.extend_from_slice(total);
-            instance.add_to(work, i, 1.0);
-            instance.log_value_in_place(work)
-        };
         let better = |a: (f64, usize), b: (f64, usize)| if b.0 > a.0 || (b.0 == a.0 && b.1 < a.1) { b } else { a };
+        let best_of = |candidates: &[usize]| {
+            let values = instance
+                .log_values_with(total, candidates, f64::NEG_INFINITY)
+                .into_iter()
+                .zip(candidates.iter().copied());
+            values.fold((f64::NEG_INFINITY, usize::MAX), better)
+        };
         let probes = highest(&self.bounds, |i| self.bounds[i] > f64::NEG_INFINITY && allowed(i), PROBES);
-        let probed = probes.into_iter().map(|i| (value_with(&mut Vec::new(), i), i));
-        let probed = probed.fold((f64::NEG_INFINITY, usize::MAX), better);
+        let probed = best_of(&probes);
         let least_score = (probed.0 - before - 1e-12).exp_m1();
         // Bounds that reach the best gain are replaced by scores; all of them at once where they are many.
         let mut reaching = self.reaching(least_score);
@@ -144,12 +147,8 @@ impl<'a> Scoreboard<'a> {
                 self.bounds[i] = score / self.factor;
             }
         }
-        let best = reaching
-            .into_par_iter()
-            .with_min_len(256)
-            .filter(|&i| self.bounds[i] * self.factor >= least_score && allowed(i))
-            .map_init(Vec::new, |work, i| (value_with(work, i), i))
-            .reduce(|| probed, better);
+        reaching.retain(|&i| self.bounds[i] * self.factor >= least_score && allowed(i));
+        let best = reaching.par_chunks(EVALUATED_PER_TASK).map(best_of).reduce(|| probed, better);
         match best.1 {
             usize::MAX if (0..self.bounds.len()).any(|i| self.bounds[i] > f64::NEG_INFINITY && allowed(i)) => {
                 Err(instance.least_known(total, selected.len()))

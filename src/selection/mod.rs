@@ -15,6 +15,7 @@ mod matrices;
 mod relaxation;
 mod search;
 
+pub(crate) use best::relax_from_greedy;
 pub use best::{Best, best};
 pub use certificate::Certificate;
 pub use error::SelectionError;
@@ -23,6 +24,7 @@ pub use function::{Gradient, InformationFunction};
 pub use greedy::greedy;
 pub use influence::{Spare, spares, without_each};
 pub use instance::{Cap, Constraints, Instance, Separation, Term};
+use matrices::lanes;
 pub(crate) use matrices::packed;
 pub use matrices::{InformationError, InformationSet};
 pub use relaxation::{Relaxation, RelaxationSettings, relax};

@@ -47,9 +47,9 @@ const ROOMS: [(&str, &[&str]); 37] = [
             "search",
         ],
     ),
-    ("selection::matrices", &["packed", "information_set"]),
+    ("selection::matrices", &["packed", "lanes", "information_set"]),
     ("selection::function", &["soft_minimum", "curvature", "eliminated"]),
-    ("selection::instance", &["constraints", "packing", "value"]),
+    ("selection::instance", &["constraints", "packing", "value", "part"]),
     ("selection::search", &["node", "fewest"]),
     (
         "target",

@@ -16,7 +16,7 @@ use crate::problem::{Accuracy, Goal, Method, Problem};
 use crate::selection::packed::{pack, packed_len, unpack};
 use crate::selection::{
     Best, Certificate, Constraints, Fewest, InformationFunction, Instance, NotEnough, RelaxationSettings, Search,
-    SearchProgress, SelectionError, best, fewest, greedy, improved_greedy, relax, search, start_of_search,
+    SearchProgress, SelectionError, best, fewest, greedy, improved_greedy, relax_from_greedy, search, start_of_search,
 };
 
 /// Chooses from one survey.
@@ -209,8 +209,7 @@ impl<'a> Chooser<'a> {
     /// As [`Chooser::best`].
     pub fn certificate(&self, count: usize) -> Result<Certificate, PlanError> {
         let instance = self.instance(count)?;
-        let start = improved_greedy(&instance).map_err(|e| self.explain(e))?;
-        let relaxation = relax(&instance, &start, &self.settings).map_err(|e| self.explain(e))?;
+        let (_, relaxation) = relax_from_greedy(&instance, &self.settings).map_err(|e| self.explain(e))?;
         Ok(relaxation.certificate)
     }
 
@@ -242,9 +241,8 @@ impl<'a> Chooser<'a> {
                 best(&instance, &self.settings, seed).map_err(|e| self.explain(e))?.selected
             }
             Method::Relaxation => {
-                let start = improved()?;
-                let relaxation = relax(&instance, &start, &self.settings).map_err(|e| self.explain(e))?;
-                relaxation.rounded(&instance).unwrap_or(start)
+                let (_, relaxation) = relax_from_greedy(&instance, &self.settings).map_err(|e| self.explain(e))?;
+                relaxation.rounded(&instance).map_or_else(improved, Ok)?
             }
             Method::Exchange => improved()?,
             Method::Greedy => greedy(&instance).map_err(|e| self.explain(e))?,

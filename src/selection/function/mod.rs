@@ -22,8 +22,10 @@ pub(crate) use soft_minimum::LogSoftMinimum;
 
 use nalgebra::DMatrix;
 
+use super::lanes::{self, LANES, Lanes};
 use super::packed::{
-    cholesky, inverse_of_factor, is_resolved, log_det, pack, solve_lower, solve_lower_transposed, unpack,
+    cholesky, inverse_of_factor, is_resolved, log_det, log_det_of, pack, packed_len, solve_lower,
+    solve_lower_transposed, unpack,
 };
 use eliminated::{Eliminated, without_nuisance};
 use soft_minimum::SoftMinimum;
@@ -176,6 +178,41 @@ impl InformationFunction {
         }
     }
 
+    /// [`InformationFunction::log_value`] of several matrices at once, to the same bits; they serve as work space. A value that does
+    /// not exceed `above` may be −∞ instead.
+    pub(crate) fn log_values(&self, m: &mut [Lanes], p: usize, above: f64) -> Lanes {
+        let lane_of = |m: &[Lanes], lane: usize| m.iter().map(|entry| entry[lane]).collect::<Vec<f64>>();
+        if let InformationFunction::MinEigenvalue { softness } = self {
+            let candidates =
+                if *softness == 0.0 && above.is_finite() { lanes::exceed(m, p, above.exp()) } else { [true; LANES] };
+            return std::array::from_fn(|lane| {
+                if candidates[lane] { self.log_value(&mut lane_of(m, lane), p) } else { f64::NEG_INFINITY }
+            });
+        }
+        let (is_definite, is_clearly_resolved) = lanes::factor(m, p);
+        let is_regular: [bool; LANES] = std::array::from_fn(|lane| {
+            is_definite[lane] && (is_clearly_resolved[lane] || is_resolved(&lane_of(m, lane), p))
+        });
+        let variances = |factor: &DMatrix<f64>| lanes::variance(m, factor.as_slice(), p);
+        let log_values = match self {
+            InformationFunction::Determinant => {
+                std::array::from_fn(|lane| log_det_of((0..p).map(|i| m[packed_len(i) + i][lane])) / p as f64)
+            }
+            InformationFunction::Variance(factor) => variances(factor).map(|variance| -variance.ln()),
+            InformationFunction::WorstVariance { factors, softness } => {
+                let variances: Vec<Lanes> = factors.iter().map(variances).collect();
+                let value = |lane: usize| variances.iter().map(|each| each[lane].recip()).collect::<Vec<f64>>();
+                std::array::from_fn(|lane| if is_regular[lane] { least(&value(lane), *softness) } else { f64::NAN })
+            }
+            InformationFunction::Eliminated { nuisance, of } => {
+                let mut S = lanes::last_block(m, p, *nuisance);
+                of.log_values(&mut S, p - nuisance, above)
+            }
+            InformationFunction::MinEigenvalue { .. } => [f64::NAN; LANES],
+        };
+        std::array::from_fn(|lane| if is_regular[lane] { log_values[lane] } else { f64::NEG_INFINITY })
+    }
+
     /// The gradient Y of log Φ at packed M; where Φ has a kink one of its supergradients. `None` if M is singular.
     pub(crate) fn gradient(&self, m: &[f64], p: usize) -> Option<Gradient> {
         let mut l = m.to_vec();
@@ -280,6 +317,12 @@ impl InformationFunction {
             }
         }
     }
+}
+
+/// The t at which the soft least eigenvalue of packed M is that of `det(M − t·1)`; `None` if M is singular.
+pub(crate) fn shift_of_soft_least(m: &[f64], p: usize, softness: f64) -> Option<f64> {
+    let λ = unpack(m, p).symmetric_eigenvalues();
+    is_above_rounding(λ.as_slice()).then(|| SoftMinimum::new(λ.as_slice(), softness).t)
 }
 
 /// Replaces packed M by its Cholesky factor; `false` if M is singular to working precision.
@@ -420,6 +463,33 @@ mod tests {
                 let bend: f64 = f.curvature(&m, P).unwrap().map(&Δ).iter().map(|x| x * x).sum();
                 let second = (slope_at(-h) - slope_at(h)) / (2.0 * h);
                 prop_assert!((bend - second).abs() < 1e-5 * (1.0 + bend.powi(2)), "{f:?} {bend} {second}");
+            }
+        }
+
+        /// Beside singular matrices, indefinite ones, and ones that only the inverse tells to be regular.
+        #[test]
+        fn many_values_are_those_of_each(matrices in prop::collection::vec(matrix(), LANES - 3), scale in 1e-8..1.0f64) {
+            let mut odd = [vec![0.0; packed_len(P)], matrices[0].iter().map(|x| -x).collect(), matrices[1].clone()];
+            let last = packed_len(P - 1);
+            // The last row and column all but those of the first.
+            for (place, from) in (last..).zip([0, 1, 3]) {
+                odd[2][place] = matrices[1][from];
+            }
+            odd[2][last + P - 1] = matrices[1][0] * (1.0 + scale);
+            let each: Vec<Vec<f64>> = matrices.into_iter().chain(odd).collect();
+            let soft = with_kinks().into_iter().map(|f| f.softened(0.1));
+            for f in functions().into_iter().chain(with_kinks()).chain(soft) {
+                let expected: Vec<f64> = each.iter().map(|m| f.log_value(&mut m.clone(), P)).collect();
+                let side_by_side: Vec<Lanes> =
+                    (0..packed_len(P)).map(|place| std::array::from_fn(|lane| each[lane][place])).collect();
+                let found = f.log_values(&mut side_by_side.clone(), P, f64::NEG_INFINITY);
+                prop_assert_eq!(&found[..], &expected, "{:?}", f);
+                for &above in &expected {
+                    let found = f.log_values(&mut side_by_side.clone(), P, above);
+                    for (found, &expected) in found.into_iter().zip(&expected) {
+                        prop_assert!(found == expected || (found == f64::NEG_INFINITY && expected <= above));
+                    }
+                }
             }
         }
 

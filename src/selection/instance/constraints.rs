@@ -154,6 +154,25 @@ impl Rules {
         Ok(rules)
     }
 
+    /// The same rules for `members`, ascending, the required ones among them, numbered by their places.
+    pub(crate) fn of_part(&self, members: &[usize]) -> Self {
+        let place = |i: &usize| members.binary_search(i).ok();
+        let places = |candidates: &[usize]| candidates.iter().filter_map(place).collect();
+        let of_members = |separation: &Separation| Separation {
+            points: members.iter().map(|&i| separation.points[i].clone()).collect(),
+            least: separation.least,
+        };
+        let (open, caps_of) = (&self.open, &self.caps_of);
+        Self {
+            required: places(&self.required),
+            open: if open.is_empty() { vec![] } else { members.iter().map(|&i| open[i]).collect() },
+            caps: self.caps.iter().map(|cap| Cap { members: places(&cap.members), most: cap.most }).collect(),
+            given: self.given,
+            caps_of: if caps_of.is_empty() { vec![] } else { members.iter().map(|&i| caps_of[i].clone()).collect() },
+            separations: self.separations.iter().map(of_members).collect(),
+        }
+    }
+
     /// Whether a candidate may be chosen, for all that the others are.
     pub(crate) fn is_open(&self, i: usize) -> bool {
         self.open.is_empty() || self.open[i]
@@ -194,12 +213,17 @@ impl Rules {
     /// Scores less the prices of the caps that each candidate counts in.
     pub(crate) fn reduced(&self, scores: &[f64], prices: &[(usize, f64)]) -> Vec<f64> {
         let mut reduced = scores.to_vec();
+        self.reduce(&mut reduced, prices);
+        reduced
+    }
+
+    /// As [`Rules::reduced`], in place.
+    pub(crate) fn reduce(&self, scores: &mut [f64], prices: &[(usize, f64)]) {
         for &(c, price) in prices {
             for &i in &self.caps[c].members {
-                reduced[i] -= price;
+                scores[i] -= price;
             }
         }
-        reduced
     }
 
     /// The `count` candidates of greatest score that hold the required ones, caps aside, and the least score among those

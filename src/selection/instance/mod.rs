@@ -2,10 +2,12 @@
 
 mod constraints;
 mod packing;
+mod part;
 mod value;
 
 pub use constraints::{Cap, Constraints, Separation};
 pub(super) use packing::{EFFORT, packing};
+pub(super) use part::Part;
 pub(super) use value::InstanceCurvature;
 
 use std::ops::Range;

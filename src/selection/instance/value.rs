@@ -1,10 +1,12 @@
 //! What an instance makes great: log Φ of a total, its derivatives and its polar function.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use super::{Block, Instance};
-use crate::selection::function::{Curvature, Gradient, LogSoftMinimum};
-use crate::selection::packed::dot;
+use crate::selection::function::{Curvature, Gradient, InformationFunction, LogSoftMinimum, shift_of_soft_least};
+use crate::selection::lanes::{LANES, Lanes};
+use crate::selection::packed::{dot, packed_len};
 
 /// The second derivative of an instance's log Φ at a point.
 #[derive(Debug, Clone)]
@@ -23,10 +25,46 @@ impl Instance<'_> {
 
     /// As [`Instance::log_value_at`]; the total serves as work space.
     pub(crate) fn log_value_in_place(&self, total: &mut [f64]) -> f64 {
-        if let [all] = self.scenarios.as_slice() {
-            return self.log_value_of(all, total);
+        self.combined(|scenario| self.log_value_of(scenario, total))
+    }
+
+    /// log Φ of a total with each of some candidates added to it, one at a time. A value that does not exceed `above` may be −∞
+    /// instead.
+    pub(crate) fn log_values_with(&self, total: &[f64], candidates: &[usize], above: f64) -> Vec<f64> {
+        let above = if self.blocks.len() == 1 { above } else { f64::NEG_INFINITY };
+        let mut values = Vec::with_capacity(candidates.len());
+        let mut work: Vec<Lanes> = vec![[0.0; LANES]; total.len()];
+        let mut of_blocks: Vec<Lanes> = Vec::with_capacity(self.blocks.len());
+        for group in candidates.chunks(LANES) {
+            of_blocks.clear();
+            for block in &self.blocks {
+                let (known, work) = (&total[block.place.clone()], &mut work[block.place.clone()]);
+                // Of an incomplete group the last member takes the lanes that are left.
+                for lane in 0..LANES {
+                    let matrix = block.candidates.packed(group[lane.min(group.len() - 1)]);
+                    for ((sum, known), entry) in work.iter_mut().zip(known).zip(matrix) {
+                        sum[lane] = known + entry;
+                    }
+                }
+                of_blocks.push(block.function.log_values(work, block.order(), above));
+            }
+            values.extend((0..group.len()).map(|lane| {
+                let of_scenario = |scenario: &Range<usize>| {
+                    let blocks = self.blocks[scenario.clone()].iter().zip(&of_blocks[scenario.clone()]);
+                    blocks.map(|(block, values)| block.share * values[lane]).sum::<f64>()
+                };
+                self.combined(of_scenario)
+            }));
         }
-        let log_values: Vec<f64> = self.scenarios.iter().map(|scenario| self.log_value_of(scenario, total)).collect();
+        values
+    }
+
+    /// log Φ from that of each scenario.
+    fn combined(&self, mut of_scenario: impl FnMut(&Range<usize>) -> f64) -> f64 {
+        if let [all] = self.scenarios.as_slice() {
+            return of_scenario(all);
+        }
+        let log_values: Vec<f64> = self.scenarios.iter().map(of_scenario).collect();
         let least = log_values.iter().copied().fold(f64::INFINITY, f64::min);
         if self.softness > 0.0 && least > f64::NEG_INFINITY { self.soft_least(&log_values).log_value() } else { least }
     }
@@ -47,6 +85,26 @@ impl Instance<'_> {
     /// The soft least of the scenarios' values.
     fn soft_least(&self, log_values: &[f64]) -> LogSoftMinimum {
         LogSoftMinimum::new(log_values, self.softness)
+    }
+
+    /// What can be evaluated faster and is no greater than log Φ but for a constant, with the same value and gradient at a total,
+    /// up to a factor: of the soft least eigenvalue alone the logarithm of `det(M − t·1)`, whose greatest over t it is. Others
+    /// are themselves; `None` if the total is singular.
+    pub(crate) fn minorant_at(&self, total: &[f64]) -> Option<Cow<'_, Self>> {
+        let [Block { function: InformationFunction::MinEigenvalue { softness }, .. }] = self.blocks.as_slice() else {
+            return Some(Cow::Borrowed(self));
+        };
+        if *softness == 0.0 {
+            return Some(Cow::Borrowed(self));
+        }
+        let mut minorant = self.clone();
+        let block = &mut minorant.blocks[0];
+        let t = shift_of_soft_least(total, block.order(), *softness)?;
+        block.function = InformationFunction::Determinant;
+        for i in 0..block.order() {
+            block.prior[packed_len(i) + i] -= t;
+        }
+        Some(Cow::Owned(minorant))
     }
 
     /// The gradient of log Φ at a total, term after term; `None` if it is singular. Of the least over the scenarios itself it

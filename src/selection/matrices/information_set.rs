@@ -58,7 +58,8 @@ pub enum InformationError {
     Indefinite {
         /// Candidate, from 0.
         candidate: usize,
-        /// The least eigenvalue after scaling the diagonal to 1.
+        /// The least eigenvalue, as a share of the greatest diagonal entry, parameters being in units in which the mean of all
+        /// matrices has a diagonal of ones.
         eigenvalue: f64,
     },
 }
@@ -66,7 +67,7 @@ pub enum InformationError {
 /// Rows scored by one task: large enough to outweigh its start, the same on any number of threads.
 const ROWS_PER_TASK: usize = 4096;
 
-/// Negative eigenvalues of this size, on a unit diagonal, are rounding.
+/// Negative eigenvalues of this size, as a share of the greatest diagonal entry, are rounding.
 const TOLERANCE: f64 = 1e-9;
 
 impl InformationSet {
@@ -74,10 +75,15 @@ impl InformationSet {
     ///
     /// # Errors
     /// When the table's length is not a multiple of p(p+1)/2, an entry is not finite, or a matrix is not positive
-    /// semidefinite (to 10⁻⁹ of its scale).
+    /// semidefinite: to 10⁻⁹ of its greatest diagonal entry, parameters being in units in which the mean of all matrices has
+    /// a diagonal of ones.
     pub fn from_packed(order: usize, table: Vec<f64>) -> Result<Self, InformationError> {
         let set = Self::from_packed_unchecked(order, table)?;
-        (0..set.len()).into_par_iter().try_for_each(|i| check(set.packed(i), order, i))?;
+        (0..set.len()).into_par_iter().try_for_each(|i| check_finite(set.packed(i), order, i))?;
+        let mean = set.mean();
+        let unit = |m: f64| if m > 0.0 { m.sqrt() } else { 1.0 };
+        let units: Vec<f64> = (0..order).map(|i| unit(mean[packed_len(i) + i])).collect();
+        (0..set.len()).into_par_iter().try_for_each(|i| check_semidefinite(set.packed(i), order, i, &units))?;
         Ok(set)
     }
 
@@ -144,6 +150,16 @@ impl InformationSet {
             table.extend(pack(matrix));
         }
         Self::from_packed(order, table)
+    }
+
+    /// The set of the matrices of `candidates`, in their order.
+    #[must_use]
+    pub(crate) fn select(&self, candidates: &[usize]) -> Self {
+        let mut table = Vec::with_capacity(candidates.len() * packed_len(self.order));
+        for &i in candidates {
+            table.extend_from_slice(self.packed(i));
+        }
+        Self { order: self.order, table }
     }
 
     /// Order p of the matrices.
@@ -246,7 +262,8 @@ impl InformationSet {
     }
 }
 
-fn check(packed: &[f64], p: usize, candidate: usize) -> Result<(), InformationError> {
+/// Checks that a matrix has finite entries.
+fn check_finite(packed: &[f64], p: usize, candidate: usize) -> Result<(), InformationError> {
     for row in 0..p {
         for column in 0..=row {
             let value = packed[packed_len(row) + column];
@@ -255,10 +272,17 @@ fn check(packed: &[f64], p: usize, candidate: usize) -> Result<(), InformationEr
             }
         }
     }
-    // Scaled to a unit diagonal, so that the tolerance means the same for every parameter's unit.
-    let diagonal: Vec<f64> = (0..p).map(|i| packed[packed_len(i) + i]).collect();
-    let scale = |i: usize| if diagonal[i] > 0.0 { diagonal[i].sqrt() } else { 1.0 };
-    let scaled = DMatrix::from_fn(p, p, |i, j| packed[packed_len(i.max(j)) + i.min(j)] / (scale(i) * scale(j)));
+    Ok(())
+}
+
+/// Checks that a finite matrix is semidefinite, for parameters in these units.
+///
+/// Units make the tolerance mean the same for every parameter. They are of all matrices together: where one tells almost nothing
+/// of a parameter, its entries there are rounding of those elsewhere in it.
+fn check_semidefinite(packed: &[f64], p: usize, candidate: usize, units: &[f64]) -> Result<(), InformationError> {
+    let scaled = DMatrix::from_fn(p, p, |i, j| packed[packed_len(i.max(j)) + i.min(j)] / (units[i] * units[j]));
+    let greatest = scaled.diagonal().max();
+    let scaled = if greatest > 0.0 { scaled / greatest } else { scaled };
     let mut shifted = pack(&(&scaled + DMatrix::identity(p, p) * TOLERANCE));
     if cholesky(&mut shifted, p) {
         return Ok(());
@@ -268,6 +292,10 @@ fn check(packed: &[f64], p: usize, candidate: usize) -> Result<(), InformationEr
 
 #[cfg(test)]
 mod tests {
+    use rand::{Rng, SeedableRng};
+    use rand_distr::StandardNormal;
+    use rand_xoshiro::Xoshiro256Plus;
+
     use super::*;
 
     #[test]
@@ -307,5 +335,38 @@ mod tests {
             assert!(set(&[unit, (1.0 + 1e-13) * unit, unit]).is_ok());
         }
         assert!(set(&[1.0, 1.0, 1.0, 0.0, 0.0, 0.0]).is_ok());
+    }
+
+    /// Where a view tells little of a parameter, what whitening leaves there is rounding of the rest; of one that tells much,
+    /// or in a set that knows the parameter no better, it is not.
+    #[test]
+    fn rounding_is_told_by_the_scale_of_all_matrices() {
+        let mut rng = Xoshiro256Plus::seed_from_u64(4);
+        let p = 9;
+        let mut draw = || DMatrix::from_fn(p, 1, |_, _| rng.sample::<f64, _>(StandardNormal));
+        let mut vectors: Vec<DMatrix<f64>> = (0..50).map(|_| draw()).collect();
+        let sum = vectors.iter().fold(DMatrix::zeros(p, p), |sum, g| sum + g * g.transpose());
+        let L = sum.cholesky().unwrap().l();
+        for vector in &mut vectors[..20] {
+            let mut white = draw();
+            white[p - 1] *= 1e-5;
+            *vector = &L * white;
+        }
+        let whitener = L.try_inverse().unwrap();
+        let whitened = vectors.iter().map(|g| &whitener * (g * g.transpose()) * whitener.transpose());
+        let whitened: Vec<DMatrix<f64>> = whitened.collect();
+        let least = |M: &DMatrix<f64>| {
+            let scale = M.diagonal().map(f64::sqrt);
+            DMatrix::from_fn(p, p, |i, j| M[(i, j)] / (scale[i] * scale[j])).symmetric_eigenvalues().min()
+        };
+        assert!(whitened.iter().map(least).fold(0.0, f64::min) < -TOLERANCE);
+        let set = |others: &[DMatrix<f64>], odd: DMatrix<f64>| {
+            InformationSet::from_matrices(odd.nrows(), others.iter().chain([&odd]))
+        };
+        assert!(set(&whitened[1..], whitened[0].clone()).is_ok());
+        let odd = DMatrix::from_row_slice(2, 2, &[1.0, 2e-7, 2e-7, 1e-14]);
+        let refused = |others: &[DMatrix<f64>]| matches!(set(others, odd.clone()), Err(InformationError::Indefinite { candidate, .. }) if candidate == others.len());
+        assert!(refused(&[]) && refused(&[DMatrix::from_diagonal(&vec![1.0, 1e-14].into())]));
+        assert!(!refused(&[DMatrix::identity(2, 2)]));
     }
 }

@@ -97,10 +97,15 @@ pub(crate) fn inverse_of_factor(l: &[f64], p: usize) -> DMatrix<f64> {
 
 /// `log det M` of a Cholesky factor.
 pub(crate) fn log_det(l: &[f64], p: usize) -> f64 {
+    log_det_of((0..p).map(|i| l[packed_len(i) + i]))
+}
+
+/// `log det M` of the pivots of its Cholesky factor.
+pub(crate) fn log_det_of(pivots: impl Iterator<Item = f64> + Clone) -> f64 {
     // One logarithm for all: the product of few pivots of a scaled matrix neither over- nor underflows in practice,
     // and is taken apart where it would.
-    let product: f64 = (0..p).map(|i| l[packed_len(i) + i]).product();
-    if product.is_normal() { 2.0 * product.ln() } else { 2.0 * (0..p).map(|i| l[packed_len(i) + i].ln()).sum::<f64>() }
+    let product: f64 = pivots.clone().product();
+    if product.is_normal() { 2.0 * product.ln() } else { 2.0 * pivots.map(f64::ln).sum::<f64>() }
 }
 
 /// `x ← L⁻¹ x`.

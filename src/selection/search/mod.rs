@@ -16,12 +16,11 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
-use super::best::{Best, best, first_allowed};
+use super::best::{Best, ascending, best, first_allowed};
 use super::error::SelectionError;
 use super::exchange::improved;
-use super::function::Gradient;
 use super::greedy;
-use super::instance::Instance;
+use super::instance::{Instance, Part};
 use super::relaxation::{Relaxation, RelaxationSettings, greatest, relax};
 use node::{Ladder, Relaxed};
 
@@ -165,12 +164,37 @@ pub fn search(
     observe: &mut dyn FnMut(&SearchProgress) -> ControlFlow<()>,
 ) -> Result<Search, SelectionError> {
     start.fits(instance)?;
-    let ladder = Ladder::new(instance);
+    let mut root = root(instance, start, start.log_value.max(least_wanted) + SAME);
     let mut incumbent = (start.log_value, start.selected.clone());
+    let in_question = root.open.iter().chain(instance.required()).chain(&incumbent.1);
+    let mut found = if 2 * root.open.len() > instance.len() {
+        searched(instance, root, incumbent, least_wanted, node_limit, observe)
+    } else {
+        // Nodes look at these candidates alone.
+        let part = Part::new(instance, ascending(in_question.copied()));
+        (root.included, root.open) = (part.places(&root.included), part.places(&root.open));
+        incumbent.1 = part.places(&incumbent.1);
+        let mut found = searched(&part.instance(), root, incumbent, least_wanted, node_limit, observe);
+        found.selected = part.members(&found.selected);
+        found
+    };
+    found.log_bound = found.log_bound.min(start.relaxation.certificate.log_bound);
+    Ok(found)
+}
+
+/// The search below a `root`, which beats the incumbent.
+fn searched(
+    instance: &Instance,
+    root: Node,
+    mut incumbent: (f64, Vec<usize>),
+    least_wanted: f64,
+    node_limit: usize,
+    observe: &mut dyn FnMut(&SearchProgress) -> ControlFlow<()>,
+) -> Search {
+    let ladder = Ladder::new(instance);
     let threshold = |incumbent: &(f64, Vec<usize>)| incumbent.0.max(least_wanted) + SAME;
     let mut nodes = 0;
     let mut made = 0;
-    let root = root(instance, start, threshold(&incumbent));
     let open_at_root = root.open.len();
     let mut heap = BinaryHeap::from([root]);
     let end = loop {
@@ -207,8 +231,7 @@ pub fn search(
     let (log_value, selected) = incumbent;
     // Everything pruned is at most as good as the threshold it was pruned by.
     let log_bound = open_bound.max(log_value.max(least_wanted) + SAME);
-    let root_bound = start.relaxation.certificate.log_bound;
-    Ok(Search { selected, log_value, log_bound: log_bound.min(root_bound), nodes, open_at_root, end })
+    Search { selected, log_value, log_bound, nodes, open_at_root, end }
 }
 
 /// What became of a node.
@@ -229,17 +252,10 @@ impl Outcome {
 /// The whole search space, less what reduced costs exclude.
 fn root(instance: &Instance, start: &Best, threshold: f64) -> Node {
     let certificate = &start.relaxation.certificate;
-    let scores = instance.scores(&certificate.y);
     let rules = instance.rules();
-    let reduced = rules.reduced(&scores, &certificate.prices);
-    let (chosen, least) = rules.greatest(&reduced, instance.count());
-    let gradient = Gradient { y: certificate.y.clone(), mixture: certificate.mixture.clone() };
-    // What the scores of the bound add up to; forcing a candidate in lowers it by what it scores less than the last chosen.
-    let S = (certificate.log_bound + instance.log_polar(&gradient)).exp();
-    let keeps = |i: usize| certificate.log_bound + (1.0 - (least - reduced[i]).max(0.0) / S).max(0.0).ln() > threshold;
     let allowed = |i: usize| instance.is_open(i) && (rules.is_free() || rules.allows(instance.required(), None, i));
-    let open: Vec<usize> =
-        (0..instance.len()).filter(|&i| allowed(i) && (chosen.binary_search(&i).is_ok() || keeps(i))).collect();
+    let open = certificate.open_above(instance, threshold).into_iter().filter(|&(i, _)| allowed(i));
+    let (open, scores): (Vec<usize>, Vec<f64>) = open.unzip();
     let mut weights = vec![0.0; open.len()];
     for &(i, weight) in &start.relaxation.weights {
         if let Ok(place) = open.binary_search(&i) {
@@ -247,7 +263,6 @@ fn root(instance: &Instance, start: &Best, threshold: f64) -> Node {
         }
     }
     let free = instance.count() - instance.required().len();
-    let scores: Vec<f64> = open.iter().map(|&i| reduced[i]).collect();
     let weights = filled(weights, &scores, free as f64);
     Node { included: instance.required().to_vec(), open, weights, log_bound: certificate.log_bound, number: 0 }
 }
