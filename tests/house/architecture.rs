@@ -362,7 +362,8 @@ fn certify_shares_nothing_with_what_it_certifies() {
         let code = without_comments(&std::fs::read_to_string(&path).unwrap());
         for word in ["selection", "choose", "Chooser", "PlanError", "SelectionError"] {
             // What the problem asks for is called its selection, too.
-            let asked = ["goal", "seed", "pictures", "continuum", "leaves_grid"].map(|key| format!("problem.selection.{key}"));
+            let asked =
+                ["goal", "seed", "pictures", "continuum", "leaves_grid"].map(|key| format!("problem.selection.{key}"));
             let own = asked.iter().fold(code.clone(), |code, key| code.replace(key, ""));
             assert!(!own.split(|c| !is_word(c)).any(|other| other == word), "{} names `{word}`", path.display());
         }

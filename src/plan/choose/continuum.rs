@@ -5,10 +5,9 @@ use std::ops::ControlFlow;
 use super::choice::Choice;
 use super::chooser::Chooser;
 use super::error::PlanError;
-use super::off_grid::LocalSearch;
-use crate::continuum::{Continuum, ContinuumEnd, ContinuumProgress, ContinuumSettings, Greatest, Setting};
+use super::off_grid::{LocalSearch, ranges};
+use crate::continuum::{Continuum, ContinuumEnd, ContinuumProgress, Greatest, Setting};
 use crate::problem::Problem;
-use crate::robot::Limits;
 use crate::selection::packed::dot;
 use crate::selection::{Certificate, Constraints, Gradient, RelaxationSettings, relax};
 
@@ -40,18 +39,8 @@ pub struct ContinuumCertificate {
     pub end: ContinuumEnd,
 }
 
-/// What poses may have at each joint: its range, or one turn of it.
-pub(crate) fn ranges(problem: &Problem) -> Vec<Limits> {
-    let joints = problem.robot.chain.joints.iter();
-    let range = |(joint, span): (&crate::robot::Joint, crate::robot::Span)| {
-        let Limits { min, max } = joint.range();
-        Limits { min: min.max(span.limits.min), max: max.min(span.limits.max) }
-    };
-    joints.zip(problem.robot.spans()).map(range).collect()
-}
-
 /// Where views are sought in a set-up.
-pub(crate) fn setting(problem: &Problem) -> Setting<'_> {
+fn setting(problem: &Problem) -> Setting<'_> {
     let Problem { robot, target, visibility, axis, .. } = problem;
     Setting { robot, target, measurement: problem.measurement(), visibility, axis: *axis }
 }

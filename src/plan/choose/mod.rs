@@ -16,7 +16,7 @@ pub use choice::{Choice, Reached};
 pub use chooser::Chooser;
 pub use constraints::ConstraintError;
 pub use continuum::ContinuumCertificate;
-pub(crate) use continuum::{ranges, setting};
+
 pub use decide::{Decision, FewestProof, SearchSummary, decide};
 pub use error::PlanError;
 pub(crate) use objective::Objective;

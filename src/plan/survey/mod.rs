@@ -227,7 +227,7 @@ impl Survey {
             map_weight: scenario.map_weight.clone(),
         };
         Self {
-            sweep: Sweep { candidates: Vec::new(), ..self.sweep },
+            sweep: Sweep { candidates: Candidates::default(), ..self.sweep },
             views: places.iter().map(|&i| self.views[i].clone()).collect(),
             rejected: self.rejected,
             links: self.links.clone(),

@@ -99,7 +99,7 @@ impl Default for Selection {
             pictures: 1,
             accuracy: None,
             off_grid: true,
-            continuum_boxes: 20_000,
+            continuum_boxes: 0,
             continuum_tolerance: 0.02,
             seed: 0,
             tolerance: 1e-9,

@@ -44,7 +44,7 @@ fn point(plan: &Plan, chooser: &Chooser, count: usize) -> Result<Option<BoundPoi
 
 /// The least map error that the plan's matrix allows; `None` where the plan optimises something else.
 fn bound(plan: &Plan, chooser: &Chooser, instance: &Instance) -> Result<Option<f64>, PlanError> {
-    let [term] = plan.certificate.terms.as_slice() else { return Ok(None) };
+    let [term] = plan.certificate.grid.terms.as_slice() else { return Ok(None) };
     if term.criterion != Criterion::V.name() {
         return Ok(None);
     }
@@ -53,7 +53,7 @@ fn bound(plan: &Plan, chooser: &Chooser, instance: &Instance) -> Result<Option<f
     }
     let p = term.matrix.len();
     let Y = DMatrix::from_row_iterator(p, p, term.matrix.iter().flatten().copied());
-    let prices = plan.certificate.prices.iter().map(|price| (price.group, price.price)).collect();
+    let prices = plan.certificate.grid.prices.iter().map(|price| (price.group, price.price)).collect();
     let certificate = Certificate::new(instance, Gradient::new(&[Y], vec![]), prices).map_err(PlanError::Selection)?;
     Ok(finite(chooser.natural(certificate.log_bound).sqrt()))
 }

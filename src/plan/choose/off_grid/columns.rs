@@ -2,17 +2,18 @@
 
 use rayon::prelude::*;
 
-use super::local_search::{Candidate, LocalSearch, TRIES};
+use super::local_search::{Candidate, LocalSearch, TRIES, ranges};
 use crate::feasibility::View;
 use crate::plan::choose::chooser::Chooser;
 use crate::plan::choose::error::PlanError;
-use crate::plan::survey::{Survey, spacings};
+use crate::plan::survey::spacings;
 use crate::problem::{Method, Problem};
 use crate::selection::packed::dot;
 use crate::selection::{Constraints, RelaxationSettings, relax};
+use crate::sweep::HaltonSample;
 
-/// Most rounds; some five are common.
-const ROUNDS: usize = 20;
+/// Most rounds; some ten are common.
+const ROUNDS: usize = 40;
 
 /// Swept views that each round climbs from, beside those in hand.
 const STARTS: usize = 24;
@@ -25,6 +26,14 @@ const COLUMNS: usize = 12;
 
 /// The score that no view exceeds, as a share beyond that of the views in hand, at which the columns suffice.
 const TOLERANCE: f64 = 1e-3;
+
+/// Configurations all over the joint ranges that are looked at where climbs from the swept views end no higher any more, and how often
+/// that is done: a maximum may lie where no swept view is near.
+const SAMPLE: usize = 50_000;
+const SAMPLES: usize = 8;
+
+/// Least share of the level that the views among them score which are climbed from.
+const PROMISING: f64 = 0.3;
 
 /// Weights from which a column is worth keeping.
 const LEAST_WEIGHT: f64 = 1e-4;
@@ -41,6 +50,7 @@ pub(super) fn columns(problem: &Problem, chooser: &Chooser, count: usize) -> Res
     let settings = RelaxationSettings { tolerance: 0.1 * TOLERANCE, ..RelaxationSettings::default() };
     let start = chooser.choose(Method::Greedy, count, 0)?.selected;
     let mut columns: Vec<Candidate> = start.iter().filter_map(|&i| search.candidate(&survey.views[i])).collect();
+    let mut samples = 0;
     for _ in 0..ROUNDS {
         let matrices: Vec<Vec<f64>> = columns.iter().map(|column| column.information.clone()).collect();
         // Weights that add up to one, on k times the information: poses may repeat.
@@ -55,40 +65,62 @@ pub(super) fn columns(problem: &Problem, chooser: &Chooser, count: usize) -> Res
         let dual = instance.dual(&relaxation.certificate.y);
         let score = |information: &[f64]| dot(information, &dual);
         let level = columns.iter().map(|column| score(&column.information)).fold(0.0, f64::max);
-        let mut starts = far_apart(problem, survey, &swept.scores(&relaxation.certificate.y), |i| swept.is_open(i));
+        let climbed = |starts: &[&View]| {
+            let climbs = starts.par_iter().flat_map_iter(|start| TRIES.map(|stretch| (start, stretch)));
+            let climbed = climbs.filter_map(|(start, stretch)| search.climb(start, &[], stretch, &score));
+            let mut climbed: Vec<(f64, Candidate)> = climbed.map(|found| (score(&found.information), found)).collect();
+            climbed.retain(|(score, _)| *score > level * (1.0 + TOLERANCE));
+            climbed.sort_by(|a, b| b.0.total_cmp(&a.0));
+            climbed.dedup_by(|a, b| a.1.view.q == b.1.view.q);
+            climbed
+        };
+        let scores = swept.scores(&relaxation.certificate.y);
+        let of_survey = (0..scores.len()).filter(|&i| swept.is_open(i)).map(|i| (scores[i], &survey.views[i]));
+        let mut starts = far_apart(problem, of_survey.collect());
         starts.extend(columns.iter().map(|column| &column.view));
-        let climbs = starts.par_iter().flat_map_iter(|start| TRIES.map(|stretch| (start, stretch)));
-        let climbed = climbs.filter_map(|(start, stretch)| search.climb(start, &[], stretch, &score));
-        let mut climbed: Vec<(f64, Candidate)> = climbed.map(|found| (score(&found.information), found)).collect();
-        climbed.retain(|(score, _)| *score > level * (1.0 + TOLERANCE));
-        climbed.sort_by(|a, b| b.0.total_cmp(&a.0));
-        climbed.dedup_by(|a, b| a.1.view.q == b.1.view.q);
-        if climbed.is_empty() {
+        let mut found = climbed(&starts);
+        while found.is_empty() && samples < SAMPLES {
+            let views = sampled(problem, &search, samples, &|information| score(information) > PROMISING * level);
+            let scored = views.iter().map(|found| (score(&found.information), &found.view)).collect();
+            found = climbed(&far_apart(problem, scored));
+            samples += 1;
+        }
+        if found.is_empty() {
             break;
         }
-        columns.extend(climbed.into_iter().take(COLUMNS).map(|(_, found)| found));
+        columns.extend(found.into_iter().take(COLUMNS).map(|(_, found)| found));
     }
     let is_swept = |view: &View| survey.index_of(view.id).is_some_and(|i| survey.views[i].q == view.q);
     Ok(columns.into_iter().map(|column| column.view).filter(|view| !is_swept(view)).map(|view| view.q).collect())
 }
 
-/// The views of the greatest `scores`, no two of them near each other.
-fn far_apart<'s>(
+/// Views that are `promising` among sample number `number` of all configurations.
+fn sampled(
     problem: &Problem,
-    survey: &'s Survey,
-    scores: &[f64],
-    is_open: impl Fn(usize) -> bool,
-) -> Vec<&'s View> {
+    search: &LocalSearch,
+    number: usize,
+    promising: &(dyn Fn(&[f64]) -> bool + Sync),
+) -> Vec<Candidate> {
+    let ranges = ranges(problem);
+    if ranges.len() > HaltonSample::MOST_JOINTS {
+        return vec![];
+    }
+    let sample = HaltonSample::new(&ranges, SAMPLES * SAMPLE);
+    let looked = (number * SAMPLE..(number + 1) * SAMPLE).into_par_iter().with_min_len(256);
+    let found = looked.filter_map(|id| search.look(0, &sample.configuration(id), &[]));
+    found.filter(|found| promising(&found.information)).collect()
+}
+
+/// The views of the greatest scores, which stand before them, no two of them near each other.
+fn far_apart<'v>(problem: &Problem, mut scored: Vec<(f64, &'v View)>) -> Vec<&'v View> {
     let spacings = spacings(problem);
     let near = |a: &View, b: &View| {
         let apart = a.q.iter().zip(&b.q).zip(&spacings).map(|((a, b), spacing)| (a - b).abs() / spacing);
         apart.fold(0.0, f64::max) < APART
     };
-    let mut order: Vec<usize> = (0..scores.len()).filter(|&i| is_open(i)).collect();
-    order.sort_unstable_by(|&a, &b| scores[b].total_cmp(&scores[a]).then(a.cmp(&b)));
+    scored.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut starts: Vec<&View> = Vec::with_capacity(STARTS);
-    for i in order {
-        let view = &survey.views[i];
+    for (_, view) in scored {
         if !starts.iter().any(|start| near(start, view)) {
             starts.push(view);
         }

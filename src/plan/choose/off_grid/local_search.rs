@@ -9,6 +9,7 @@ use crate::plan::choose::constraints::allows;
 use crate::plan::choose::objective::Objective;
 use crate::plan::survey::{Scene, Survey};
 use crate::problem::Problem;
+use crate::robot::{Joint, Limits, Span};
 use crate::sweep::JointSpace;
 
 /// Iterations of the simplex method per joint; restarts do more than patience.
@@ -110,6 +111,16 @@ impl<'a> LocalSearch<'a> {
         let end = executor.run().ok()?.state.best_param?;
         self.look(start.id, end.as_slice(), others)
     }
+}
+
+/// What poses may have at each joint: its range, or one turn of it.
+pub(crate) fn ranges(problem: &Problem) -> Vec<Limits> {
+    let joints = problem.robot.chain.joints.iter();
+    let range = |(joint, span): (&Joint, Span)| {
+        let Limits { min, max } = joint.range();
+        Limits { min: min.max(span.limits.min), max: max.min(span.limits.max) }
+    };
+    joints.zip(problem.robot.spans()).map(range).collect()
 }
 
 /// The problem of placing one view beside others.
