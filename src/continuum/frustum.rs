@@ -80,24 +80,23 @@ fn leads(k: &[f64; 8], far: f64, tangential: f64, radius: f64) -> bool {
     }
     let terms = [1.0, k[0], k[1], k[4]];
     let Some(leading) = terms.iter().rposition(|&term| term != 0.0) else { return false };
-    let rest: f64 =
-        terms[..leading].iter().enumerate().map(|(i, term)| term.abs() * far.powi(i as i32 - leading as i32)).sum();
+    let power = [0, 1, 2, 3][leading];
+    let rest: f64 = (0..).zip(&terms[..leading]).map(|(i, term): (i32, &f64)| term.abs() * far.powi(i - power)).sum();
     // Per power of r: c(r²)/r^2n ≥ |k_n| − rest; the tangential part falls behind if n ≥ 1.
     let left = terms[leading].abs() - rest;
     let r = far.sqrt();
     let behind = if leading == 0 {
         if tangential == 0.0 { 0.0 } else { f64::INFINITY }
     } else {
-        tangential * r.powi(1 - 2 * leading as i32)
+        tangential * r.powi(1 - 2 * power)
     };
-    left - behind > radius * r.powi(-1 - 2 * leading as i32)
+    left - behind > radius * r.powi(-1 - 2 * power)
 }
 
 /// Bounds of `1 + a s + b s² + c s³` over a range of s ≥ 0.
 fn series([a, b, c]: [f64; 3], from: f64, to: f64) -> [f64; 2] {
     let mut bounds = [1.0, 1.0];
-    for (n, k) in [a, b, c].into_iter().enumerate() {
-        let n = n as i32 + 1;
+    for (n, k) in [(1, a), (2, b), (3, c)] {
         let ends = [k * from.powi(n), k * to.powi(n)];
         bounds[0] += ends[0].min(ends[1]);
         bounds[1] += ends[0].max(ends[1]);

@@ -1,5 +1,7 @@
 //! Images of points, as Taylor models: the lens models of [`camera`](crate::camera) with the derivatives that they have there.
 
+use std::f64::consts::PI;
+
 use super::lanes::{LANES, Lanes};
 use super::taylor::{Expansion, Taylor};
 use crate::camera::{Camera, Lens, MAX_INTRINSICS};
@@ -11,6 +13,8 @@ pub(super) struct Image<const N: usize, const Q: usize, const C: usize> {
     pub(super) by_point: [[Taylor<N, Q, C>; 3]; 2],
     /// By θ; none where it is zero.
     pub(super) by_intrinsics: [[Option<Taylor<N, Q, C>>; MAX_INTRINSICS]; 2],
+    /// Whether the point is certainly behind the lens, where nothing has an image.
+    pub(super) is_behind: [bool; LANES],
     /// Whether the models hold: where the point may be in the camera's plane they do not.
     pub(super) exists: [bool; LANES],
 }
@@ -20,6 +24,7 @@ struct Distorted<const N: usize, const Q: usize, const C: usize> {
     point: [Taylor<N, Q, C>; 2],
     by_point: [[Taylor<N, Q, C>; 3]; 2],
     by_coefficients: Vec<[Taylor<N, Q, C>; 2]>,
+    is_behind: [bool; LANES],
     exists: [bool; LANES],
 }
 
@@ -36,7 +41,7 @@ pub(super) fn image<const N: usize, const Q: usize, const C: usize>(
         Lens::Pinhole => polynomial(p, &k, 0),
         Lens::BrownConrady => polynomial(p, &k, 5),
         Lens::Rational => polynomial(p, &k, 8),
-        Lens::KannalaBrandt => fisheye(p, &k),
+        Lens::KannalaBrandt => fisheye(p, &k, camera.fold().unwrap_or(PI)),
     };
     let [fx, fy, cx, cy] = [θ[0], θ[1], θ[2], θ[3]];
     let focal = [fx, fy];
@@ -54,6 +59,7 @@ pub(super) fn image<const N: usize, const Q: usize, const C: usize>(
         pixel: [mx.scaled(fx).plus(cx), my.scaled(fy).plus(cy)],
         by_point: std::array::from_fn(|row| distorted.by_point[row].map(|entry| entry.scaled(focal[row]))),
         by_intrinsics,
+        is_behind: distorted.is_behind,
         exists: distorted.exists,
     }
 }
@@ -66,6 +72,7 @@ fn polynomial<const N: usize, const Q: usize, const C: usize>(
 ) -> Distorted<N, Q, C> {
     let (iz, mut exists) = p[2].recip();
     let front = p[2].c.0;
+    let is_behind = p[2].greatest().0.map(|most| most <= 0.0);
     for (exists, z) in exists.iter_mut().zip(front) {
         *exists &= z > 0.0;
     }
@@ -73,7 +80,7 @@ fn polynomial<const N: usize, const Q: usize, const C: usize>(
     if coefficients == 0 {
         let zero = Taylor::constant(0.0);
         let by_point = [[iz, zero, -&(&x * &iz)], [zero, iz, -&(&y * &iz)]];
-        return Distorted { point: [x, y], by_point, by_coefficients: Vec::new(), exists };
+        return Distorted { point: [x, y], by_point, by_coefficients: Vec::new(), is_behind, exists };
     }
     let (xx, yy, xy) = (x.squared(), y.squared(), &x * &y);
     let r2 = &xx + &yy;
@@ -125,7 +132,7 @@ fn polynomial<const N: usize, const Q: usize, const C: usize>(
         let by_denominator = power(&by_numerator, &-&factor);
         by_coefficients.extend([&r2, &r4, &r6].map(|of| power(&by_denominator, of)));
     }
-    Distorted { point, by_point, by_coefficients, exists }
+    Distorted { point, by_point, by_coefficients, is_behind, exists }
 }
 
 /// The fisheye. With the unit vector `a = p/|p|` and `w = a_z = cos θ`,
@@ -138,11 +145,15 @@ fn polynomial<const N: usize, const Q: usize, const C: usize>(
 fn fisheye<const N: usize, const Q: usize, const C: usize>(
     p: &[Taylor<N, Q, C>; 3],
     k: &[f64; 8],
+    reach: f64,
 ) -> Distorted<N, Q, C> {
     let square = &(&p[0].squared() + &p[1].squared()) + &p[2].squared();
     let (n, mut exists) = square.recip_sqrt();
     let a = [&p[0] * &n, &p[1] * &n, &p[2] * &n];
     let w = &a[2];
+    let least_seen = (reach + 1e-9).min(PI).cos();
+    let most = w.greatest().0;
+    let is_behind = std::array::from_fn(|lane| exists[lane] && most[lane] < least_seen);
     // From −0.9 on; nearer to the direction straight back nothing is bounded.
     let least = w.least().map(|least| least.min(1.0));
     for (exists, least) in exists.iter_mut().zip(least.0) {
@@ -191,7 +202,7 @@ fn fisheye<const N: usize, const Q: usize, const C: usize>(
     });
     let across = [&a[0] * &h, &a[1] * &h];
     let by_coefficients = [&u, &u2, &u3, &u4].map(|power| [&across[0] * power, &across[1] * power]).to_vec();
-    Distorted { point, by_point, by_coefficients, exists }
+    Distorted { point, by_point, by_coefficients, is_behind, exists }
 }
 
 /// `h(w) = acos(w) / √(1 − w²)` and its first five derivatives: `∫₀^∞ dt / (t² + 2wt + 1)`, so that they alternate in sign and
@@ -228,7 +239,7 @@ impl Sines {
                 *sum += coefficient * power;
             }
         }
-        std::array::from_fn(|k| sums[k] * (-0.5f64).powi(k as i32))
+        std::array::from_fn(|k| sums[k] * [1.0, -0.5, 0.25, -0.125, 0.0625, -0.03125][k])
     }
 
     /// `(1 − w²) h⁽ᵏ⁺¹⁾ = (2k + 1) w h⁽ᵏ⁾ + k² h⁽ᵏ⁻¹⁾`, and `(1 − w²) h' = w h − 1`.

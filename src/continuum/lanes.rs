@@ -12,28 +12,28 @@ pub(super) struct Lanes(pub(super) [f64; LANES]);
 impl Lanes {
     pub(super) const ZERO: Self = Self([0.0; LANES]);
 
-    #[inline(always)]
+    #[inline]
     pub(super) const fn all(value: f64) -> Self {
         Self([value; LANES])
     }
 
-    #[inline(always)]
+    #[inline]
     pub(super) fn map(self, f: impl Fn(f64) -> f64) -> Self {
         Self(self.0.map(f))
     }
 
-    #[inline(always)]
+    #[inline]
     pub(super) fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
         Self(std::array::from_fn(|i| f(self.0[i], other.0[i])))
     }
 
-    #[inline(always)]
+    #[inline]
     pub(super) fn abs(self) -> Self {
         self.map(f64::abs)
     }
 
     /// These where the condition holds, those of `other` elsewhere.
-    #[inline(always)]
+    #[inline]
     pub(super) fn or(self, other: Self, holds: [bool; LANES]) -> Self {
         Self(std::array::from_fn(|i| if holds[i] { self.0[i] } else { other.0[i] }))
     }
@@ -46,14 +46,14 @@ impl Lanes {
 impl Add for Lanes {
     type Output = Self;
 
-    #[inline(always)]
+    #[inline]
     fn add(self, other: Self) -> Self {
         self.zip(other, |a, b| a + b)
     }
 }
 
 impl AddAssign for Lanes {
-    #[inline(always)]
+    #[inline]
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
     }
@@ -62,7 +62,7 @@ impl AddAssign for Lanes {
 impl Sub for Lanes {
     type Output = Self;
 
-    #[inline(always)]
+    #[inline]
     fn sub(self, other: Self) -> Self {
         self.zip(other, |a, b| a - b)
     }
@@ -71,7 +71,7 @@ impl Sub for Lanes {
 impl Mul for Lanes {
     type Output = Self;
 
-    #[inline(always)]
+    #[inline]
     fn mul(self, other: Self) -> Self {
         self.zip(other, |a, b| a * b)
     }
@@ -80,7 +80,7 @@ impl Mul for Lanes {
 impl Mul<f64> for Lanes {
     type Output = Self;
 
-    #[inline(always)]
+    #[inline]
     fn mul(self, factor: f64) -> Self {
         self.map(|a| a * factor)
     }
@@ -89,7 +89,7 @@ impl Mul<f64> for Lanes {
 impl Neg for Lanes {
     type Output = Self;
 
-    #[inline(always)]
+    #[inline]
     fn neg(self) -> Self {
         self.map(|a| -a)
     }

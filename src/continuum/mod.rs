@@ -2,8 +2,8 @@
 //!
 //! A certificate bounds every set of k poses by the greatest scores `s(q) = ⟨Y, M(q)⟩` of single poses, whatever Y ⪰ 0 is. Here
 //! the joint values q are not those of a grid but all of them. Branch and bound halves boxes of joint values, best bound first;
-//! over each, the score is enclosed by its second-order Taylor polynomial and a remainder of third order (`taylor`), and
-//! boxes from which the board is certainly not seen are left out (`sight`). Collision, occlusion and stability are not looked at:
+//! over each, the score is enclosed by its Taylor polynomial of third order and a remainder of fourth (`taylor`), and boxes
+//! from which the board is certainly not seen are left out (`sight`). Collision, occlusion and stability are not looked at:
 //! without them there are more views, and the bound holds all the more.
 //!
 //! ```text
@@ -147,7 +147,7 @@ pub enum Unsupported {
 const EIGENVALUE_ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// How far a box may move the board's points, as a share of their distance, for its score to be worth a bound.
-const WORTH: f64 = 0.5;
+const WORTH: f64 = 0.3;
 
 impl<'a> Continuum<'a> {
     /// The sum of the scores in several settings of one arm, by a Y (packed, as the measurement's matrices) each. Views are those
@@ -157,9 +157,11 @@ impl<'a> Continuum<'a> {
     /// When the arm has too many joints.
     ///
     /// # Panics
-    /// When a Y is not of its measurement's order.
+    /// When a Y is not of its measurement's order, or the ranges are not as many as the joints.
     pub fn new(settings: Vec<(Setting<'a>, &[f64])>, ranges: Vec<Limits>) -> Result<Self, Unsupported> {
         let joints = ranges.len();
+        let is_of_arm = |(setting, _): &(Setting, &[f64])| setting.robot.chain.dof() == joints;
+        assert!(settings.iter().all(is_of_arm), "a range for each joint");
         if !(1..=MOST_JOINTS).contains(&joints) {
             return Err(Unsupported::Joints { joints });
         }
@@ -168,7 +170,7 @@ impl<'a> Continuum<'a> {
     }
 
     /// Bounds the greatest score from above, within a tolerance of `known`, the score of some view, or of a better view on the
-    /// way. `score` is that of joint values that are a view, collision and all; `observe` sees every batch of boxes. The outcome does not
+    /// way. `score` is that of joint values that are a view, axis, collision and all; `observe` sees every batch of boxes. The outcome does not
     /// depend on the number of threads.
     pub fn greatest(
         &self,
@@ -255,10 +257,17 @@ impl<'a> Scored<'a> {
         Self { root: root(&unpack(y, order)), groups, sight, setting }
     }
 
-    fn score<const N: usize, const Q: usize, const C: usize>(&self, kinematics: &Kinematics) -> Outcome<N, Q, C> {
+    fn score<const N: usize, const Q: usize, const C: usize>(&self, kinematics: &Kinematics) -> Outcome<N, Q> {
         let VisibilityLimits { margin, min_corners, .. } = *self.setting.visibility;
         let counting = Counting { margin, all: min_corners.is_none() };
-        score(&self.setting.measurement, &self.groups, counting, &self.root, kinematics)
+        score::<N, Q, C>(
+            &self.setting.measurement,
+            &self.groups,
+            counting,
+            self.sight.frustum.as_ref(),
+            &self.root,
+            kinematics,
+        )
     }
 
     /// How far each joint moves the board in the picture, roughly, as a share of its distance.

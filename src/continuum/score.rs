@@ -8,7 +8,8 @@
 
 use nalgebra::{DMatrix, Matrix6, Point3, SMatrix, Vector2, Vector6};
 
-use super::image::{Image, image};
+use super::frustum::Frustum;
+use super::image::{self, Image};
 use super::lanes::{LANES, Lanes};
 use super::quadratic::Quadratic;
 use super::taylor::{Affine, Taylor};
@@ -31,17 +32,17 @@ pub(super) struct Group {
 pub(super) struct TooLarge;
 
 /// What a box comes to.
-pub(super) enum Outcome<const N: usize, const Q: usize, const C: usize> {
+pub(super) enum Outcome<const N: usize, const Q: usize> {
     /// No view has its joint values there.
     Empty,
     /// Nothing can be said of one so large.
     TooLarge,
     /// What it is.
-    Score(Box<Scores<N, Q, C>>),
+    Score(Box<Scores<N, Q>>),
 }
 
 /// A bound of the score, and where it is needed.
-pub(super) struct Scores<const N: usize, const Q: usize, const C: usize> {
+pub(super) struct Scores<const N: usize, const Q: usize> {
     /// The score is no greater.
     pub(super) score: Quadratic<N, Q>,
     /// How far inside each of the picture's four sides the corner is that is the nearest to it; of a view none is negative. None
@@ -96,9 +97,10 @@ pub(super) fn score<const N: usize, const Q: usize, const C: usize>(
     measurement: &Measurement,
     groups: &[Group],
     counting: Counting,
+    frustum: Option<&Frustum>,
     root: &DMatrix<f64>,
     kinematics: &Kinematics,
-) -> Outcome<N, Q, C> {
+) -> Outcome<N, Q> {
     let rotation = kinematics.X_CT.rotation.to_rotation_matrix();
     let columns = rotation.matrix().column_iter();
     let axes: Vec<[Taylor<N, Q, C>; 3]> =
@@ -108,10 +110,12 @@ pub(super) fn score<const N: usize, const Q: usize, const C: usize>(
     for group in groups {
         let points = packed(&group.points.map(|p| point(&kinematics.of_board, &(kinematics.X_CT * p))));
         let camera = measurement.unknowns.camera;
-        let image = image(camera, &points);
+        let image = image::image(camera, &points);
+        let is_hidden = frustum.map_or([false; LANES], |frustum| frustum.excludes(&points));
         let mut counts: [bool; LANES] = std::array::from_fn(|lane| lane < group.count);
         for lane in 0..group.count {
-            if image.exists[lane] && is_outside(&image, lane, measurement, counting.margin) {
+            let is_outside = image.exists[lane] && is_outside(&image, lane, measurement, counting.margin);
+            if is_hidden[lane] || image.is_behind[lane] || is_outside {
                 if counting.all {
                     return Outcome::Empty;
                 }
@@ -130,11 +134,20 @@ pub(super) fn score<const N: usize, const Q: usize, const C: usize>(
                 }
             }
         }
-        if counts.contains(&true) {
-            match rows_of(measurement, group, counts, root, kinematics, &axes, &points, image) {
-                Ok(of_group) => rows.push(of_group),
-                Err(TooLarge) => return Outcome::TooLarge,
-            }
+        let Some(first) = counts.iter().position(|&counts| counts) else { continue };
+        let rows_of_group = if image.exists == [true; LANES] {
+            rows_of(measurement, group, counts, root, kinematics, &axes, &points, &image)
+        } else {
+            // What is left out may have no image: one that counts stands in for it.
+            let indices = std::array::from_fn(|lane| group.indices[if counts[lane] { lane } else { first }]);
+            let group = Group { indices, points: indices.map(|i| measurement.corners[i]), ..*group };
+            let points = packed(&group.points.map(|p| point(&kinematics.of_board, &(kinematics.X_CT * p))));
+            let image = image::image(camera, &points);
+            rows_of(measurement, &group, counts, root, kinematics, &axes, &points, &image)
+        };
+        match rows_of_group {
+            Ok(of_group) => rows.push(of_group),
+            Err(TooLarge) => return Outcome::TooLarge,
         }
     }
     let Some(K) = elimination(&rows, root.ncols()) else { return Outcome::TooLarge };
@@ -194,7 +207,7 @@ fn rows_of<const N: usize, const Q: usize, const C: usize>(
     kinematics: &Kinematics,
     axes: &[[Taylor<N, Q, C>; 3]],
     points: &[Taylor<N, Q, C>; 3],
-    image: Image<N, Q, C>,
+    image: &Image<N, Q, C>,
 ) -> Result<Rows<N, Q, C>, TooLarge> {
     let arms = packed(&group.points.map(|p| direction(&kinematics.of_board, &(kinematics.X_CT.rotation * p.coords))));
     let P = &image.by_point;

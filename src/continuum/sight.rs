@@ -16,7 +16,7 @@ use crate::target::{Target, Zone};
 #[derive(Debug, Clone)]
 pub(super) struct Sight {
     limits: VisibilityLimits,
-    frustum: Option<Frustum>,
+    pub(super) frustum: Option<Frustum>,
     zone: Option<Zone>,
     /// Points of the board of which a view sees all.
     required: Vec<Point3<f64>>,
@@ -73,6 +73,21 @@ impl Sight {
 }
 
 impl Frustum {
+    /// Which of four points are certainly outside.
+    pub(super) fn excludes<const N: usize, const Q: usize, const C: usize>(
+        &self,
+        p: &[Taylor<N, Q, C>; 3],
+    ) -> [bool; LANES] {
+        let mut is_outside = [false; LANES];
+        for side in self.sides() {
+            let depth = Taylor::sum((0..3).map(|row| (side[row], &p[row])));
+            for (is_outside, most) in is_outside.iter_mut().zip(depth.greatest().0) {
+                *is_outside |= most < 0.0;
+            }
+        }
+        is_outside
+    }
+
     /// Normals of its sides and of the camera's plane, inward.
     fn sides(&self) -> [Vector3<f64>; 5] {
         [
@@ -184,7 +199,7 @@ impl<const N: usize, const Q: usize, const C: usize> Moved<N, Q, C> {
         let length = self.c.norm();
         let along = if length > 0.0 { self.c / length } else { Vector3::z() };
         let near = self.least(&along).max(0.0);
-        let moved: f64 = self.l.iter().chain(&self.q).chain(&self.t).map(|v| v.norm()).sum::<f64>() + self.r;
+        let moved: f64 = self.l.iter().chain(&self.q).chain(&self.t).map(Vector3::norm).sum::<f64>() + self.r;
         [near, length + moved + ROUNDING * length]
     }
 

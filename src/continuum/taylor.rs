@@ -55,6 +55,7 @@ pub(super) struct Expansion {
 }
 
 /// Place of `x_a x_b` among the products of two of n variables.
+#[inline]
 pub(super) const fn place(n: usize, a: usize, b: usize) -> usize {
     let (a, b) = if a < b { (a, b) } else { (b, a) };
     a * n - a * (a + 1) / 2 + b
@@ -87,29 +88,7 @@ pub(super) const fn place_of_three(n: usize, a: usize, b: usize, c: usize) -> us
     place_before + place(n - least, b, c - least)
 }
 
-/// For each variable and each product of two the place of the product of all three.
-const fn places<const N: usize, const Q: usize>() -> [[usize; Q]; N] {
-    let mut places = [[0; Q]; N];
-    let mut a = 0;
-    while a < N {
-        let (mut k, mut b) = (0, 0);
-        while b < N {
-            let mut c = b;
-            while c < N {
-                places[a][k] = place_of_three(N, a, b, c);
-                k += 1;
-                c += 1;
-            }
-            b += 1;
-        }
-        a += 1;
-    }
-    places
-}
-
 impl<const N: usize, const Q: usize, const C: usize> Taylor<N, Q, C> {
-    const PLACES: [[usize; Q]; N] = places::<N, Q>();
-
     #[inline]
     pub(super) fn new(c: Lanes, l: [Lanes; N], q: [Lanes; Q], t: [Lanes; C], r: Lanes) -> Self {
         let norm = |of: &[Lanes]| of.iter().fold(Lanes::ZERO, |sum, x| sum + x.abs());
@@ -182,35 +161,59 @@ impl<const N: usize, const Q: usize, const C: usize> Taylor<N, Q, C> {
         let two_c = self.c * 2.0;
         let q = self.q.map(|q| two_c * q);
         let t = self.t.map(|t| two_c * t);
-        let (q, t) = self.with_products(self, q, t, true);
+        let (q, t) = self.with_squares(q, t);
         Self::new(self.c * self.c, self.l.map(|l| two_c * l), q, t, self.remainder(self))
     }
 
     /// Adds the products of the linear terms, and of the linear and the quadratic.
-    #[inline(always)]
-    fn with_products(
-        &self,
-        other: &Self,
-        mut q: [Lanes; Q],
-        mut t: [Lanes; C],
-        is_square: bool,
-    ) -> ([Lanes; Q], [Lanes; C]) {
-        let mut k = 0;
+    #[inline]
+    fn with_products(&self, other: &Self, mut q: [Lanes; Q], mut t: [Lanes; C]) -> ([Lanes; Q], [Lanes; C]) {
+        let (mut second, mut third) = (0, 0);
         for a in 0..N {
-            q[k] += self.l[a] * other.l[a];
-            k += 1;
-            for b in a + 1..N {
-                q[k] += if is_square {
-                    self.l[a] * other.l[b] * 2.0
-                } else {
-                    self.l[a] * other.l[b] + self.l[b] * other.l[a]
-                };
-                k += 1;
+            for b in a..N {
+                q[second] += self.l[a] * other.l[b];
+                if a != b {
+                    q[second] += self.l[b] * other.l[a];
+                }
+                for c in b..N {
+                    let bc = place(N, b, c);
+                    let mut sum = self.l[a] * other.q[bc] + self.q[bc] * other.l[a];
+                    if b != a {
+                        let ac = place(N, a, c);
+                        sum += self.l[b] * other.q[ac] + self.q[ac] * other.l[b];
+                    }
+                    if c != b {
+                        sum += self.l[c] * other.q[second] + self.q[second] * other.l[c];
+                    }
+                    t[third] += sum;
+                    third += 1;
+                }
+                second += 1;
             }
-            let two_l = self.l[a] * 2.0;
-            for (j, &place) in Self::PLACES[a].iter().enumerate() {
-                t[place] +=
-                    if is_square { two_l * other.q[j] } else { self.l[a] * other.q[j] + self.q[j] * other.l[a] };
+        }
+        (q, t)
+    }
+
+    /// The same of its square.
+    #[inline]
+    fn with_squares(&self, mut q: [Lanes; Q], mut t: [Lanes; C]) -> ([Lanes; Q], [Lanes; C]) {
+        let (mut second, mut third) = (0, 0);
+        for a in 0..N {
+            for b in a..N {
+                let share = if a == b { 1.0 } else { 2.0 };
+                q[second] += self.l[a] * self.l[b] * share;
+                for c in b..N {
+                    let mut sum = self.l[a] * self.q[place(N, b, c)];
+                    if b != a {
+                        sum += self.l[b] * self.q[place(N, a, c)];
+                    }
+                    if c != b {
+                        sum += self.l[c] * self.q[second];
+                    }
+                    t[third] += sum * 2.0;
+                    third += 1;
+                }
+                second += 1;
             }
         }
         (q, t)
@@ -237,20 +240,26 @@ impl<const N: usize, const Q: usize, const C: usize> Taylor<N, Q, C> {
             for (a, l) in l.iter_mut().enumerate() {
                 *l = *l - (model.l[a] * affine.c + model.c * affine.l[a]);
             }
-            for (t, own) in t.iter_mut().zip(&model.t) {
-                *t = *t - *own * affine.c;
-            }
-            let mut k = 0;
+            let (mut second, mut third) = (0, 0);
             for a in 0..N {
-                let slope = affine.l[a];
-                q[k] = q[k] - (model.q[k] * affine.c + model.l[a] * slope);
-                k += 1;
-                for b in a + 1..N {
-                    q[k] = q[k] - (model.q[k] * affine.c + (model.l[a] * affine.l[b] + model.l[b] * slope));
-                    k += 1;
-                }
-                for (j, &place) in Self::PLACES[a].iter().enumerate() {
-                    t[place] = t[place] - model.q[j] * slope;
+                for b in a..N {
+                    let mut sum = model.q[second] * affine.c + model.l[b] * affine.l[a];
+                    if a != b {
+                        sum += model.l[a] * affine.l[b];
+                    }
+                    q[second] = q[second] - sum;
+                    for c in b..N {
+                        let mut sum = model.t[third] * affine.c + model.q[place(N, b, c)] * affine.l[a];
+                        if b != a {
+                            sum += model.q[place(N, a, c)] * affine.l[b];
+                        }
+                        if c != b {
+                            sum += model.q[second] * affine.l[c];
+                        }
+                        t[third] = t[third] - sum;
+                        third += 1;
+                    }
+                    second += 1;
                 }
             }
             let slope: f64 = affine.l.iter().map(|l| l.abs()).sum();
@@ -290,9 +299,20 @@ impl<const N: usize, const Q: usize, const C: usize> Taylor<N, Q, C> {
         let d = Self { c: Lanes::ZERO, ..*self };
         let square = d.squared();
         let mut cube = [Lanes::ZERO; C];
+        let mut third = 0;
         for a in 0..N {
-            for (j, &place) in Self::PLACES[a].iter().enumerate() {
-                cube[place] += self.l[a] * square.q[j];
+            for b in a..N {
+                for c in b..N {
+                    let share = if a == c {
+                        1.0
+                    } else if a == b || b == c {
+                        3.0
+                    } else {
+                        6.0
+                    };
+                    cube[third] = self.l[a] * self.l[b] * self.l[c] * share;
+                    third += 1;
+                }
             }
         }
         let q = std::array::from_fn(|k| f.first * self.q[k] + f.half_second * square.q[k]);
@@ -398,11 +418,12 @@ impl<const N: usize, const Q: usize, const C: usize> Neg for &Taylor<N, Q, C> {
 impl<const N: usize, const Q: usize, const C: usize> Mul for &Taylor<N, Q, C> {
     type Output = Taylor<N, Q, C>;
 
+    #[expect(clippy::suspicious_arithmetic_impl, reason = "the product rule")]
     fn mul(self, other: Self) -> Taylor<N, Q, C> {
         let l = std::array::from_fn(|a| self.c * other.l[a] + self.l[a] * other.c);
         let q = std::array::from_fn(|k| self.c * other.q[k] + self.q[k] * other.c);
         let t = std::array::from_fn(|k| self.c * other.t[k] + self.t[k] * other.c);
-        let (q, t) = self.with_products(other, q, t, false);
+        let (q, t) = self.with_products(other, q, t);
         Taylor::new(self.c * other.c, l, q, t, self.remainder(other))
     }
 }

@@ -204,12 +204,28 @@ fn settings() -> Vec<(&'static str, Problem)> {
 
 #[test]
 fn no_view_of_a_box_scores_more_than_its_bound() {
+    for (_, problem) in settings() {
+        hold(&problem, 12, 20, [0.1, 4.0], 2);
+    }
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn no_view_of_many_boxes_scores_more_than_their_bounds() {
     for (name, problem) in settings() {
         for half in [0.25, 0.5, 1.0, 3.0] {
-            let (ratio, bounded) = hold(&problem, 25, 30, [half, half], 1);
-            println!("{name}, ±{half}°: bound by score {ratio:.4}, {bounded} of 25");
+            let (ratio, bounded) = hold(&problem, 200, 1000, [half, half], 1);
+            println!("{name}, ±{half}°: bound by score {ratio:.4}, {bounded} of 200");
         }
-        hold(&problem, 40, 30, [0.1, 8.0], 2);
+        hold(&problem, 200, 1000, [0.1, 8.0], 2);
+    }
+}
+
+#[test]
+fn bounds_of_small_boxes_are_tight() {
+    for (half, most) in [(0.5, 1.02), (0.25, 1.005)] {
+        let (ratio, bounded) = hold(&servosila(&[]), 20, 40, [half, half], 1);
+        assert!(ratio < most && bounded > 10, "±{half}°: {ratio}, {bounded}");
     }
 }
 
@@ -244,7 +260,7 @@ fn the_greatest_score_is_that_of_a_dense_grid() {
     // The grid misses the border of what is seen by up to a step.
     assert!(greatest > 0.98 * found.found);
     assert!(continuum.holds(found.bound * 1.001, 20_000).is_proven);
-    assert!(!continuum.holds(found.found * 0.999, 20_000).is_proven);
+    assert!(!continuum.holds(found.found * 0.999, 500).is_proven);
     let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     for threads in [1, 3] {
         assert_eq!(pool(threads).install(run), found, "{threads} threads");
@@ -264,7 +280,7 @@ fn time_of_a_box() {
     let problem = servosila(&[]);
     let (y, views) = certified(&problem, 10);
     let continuum = Continuum::new(vec![(setting(&problem), &y)], ranges(&problem)).unwrap();
-    for half in [0.25f64, 1.0, 4.0] {
+    for half in [0.25f64, 1.0] {
         let cells: Vec<Cell> = views
             .iter()
             .take(50)
@@ -356,8 +372,8 @@ fn images_are_within_their_models() {
                 let x = [(); 4].map(|()| random.gen_range(-1.0..=1.0));
                 let q: Vec<f64> = (0..4).map(|a| q[a] + half[a] * x[a]).collect();
                 let X_CT = problem.robot.camera_pose(&q).inverse() * problem.target.X_BT;
-                for lane in 0..4 {
-                    let p = X_CT * corners[lane];
+                for (lane, corner) in corners.iter().enumerate() {
+                    let p = X_CT * corner;
                     let near = |model: &taylor::Taylor<4, 10, 20>, value: f64, what: &str| {
                         let (found, r) = at(model, &x, lane);
                         assert!((found - value).abs() <= r, "{name}, {what}: {found} ± {r}, {value}");
