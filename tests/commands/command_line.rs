@@ -58,12 +58,12 @@ fn plan_says_and_writes_what_it_found() {
         assert!(keys(&plan).contains(&key), "{key}");
     }
     assert_eq!(plan["format"], "calipose.plan");
-    assert_eq!(plan["version"], 3);
+    assert_eq!(plan["version"], 4);
     assert_eq!(keys(&plan["problem"]), ["name", "sha256"]);
     assert_eq!(keys(&plan["survey"]), ["swept", "axis_inside", "axis_edge", "views", "rejected"]);
     assert_eq!(keys(&plan["intrinsics"]), ["names", "nominal", "sigma"]);
-    assert_eq!(keys(&plan["certificate"]), ["bound", "terms"]);
-    assert_eq!(keys(&plan["certificate"]["terms"][0]), ["criterion", "share", "matrix"]);
+    assert_eq!(keys(&plan["certificate"]["grid"]), ["bound", "terms"]);
+    assert_eq!(keys(&plan["certificate"]["grid"]["terms"][0]), ["criterion", "share", "matrix"]);
     let poses = plan["poses"].as_array().unwrap();
     assert_eq!(poses.len(), 10);
     for pose in poses {

@@ -9,7 +9,8 @@ use crate::desk::{complaint, stdout};
 fn desk(replacements: &[(&str, &str)], options: &str) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let mut text = std::fs::read_to_string("problems/servosila-engineer.toml").unwrap();
-    for (from, to) in [("step_deg = 8\naxis", "step_deg = 20\naxis")].iter().chain(replacements) {
+    let coarse = [("step_deg = 8\naxis", "step_deg = 20\naxis"), ("[selection]", "[selection]\noff_grid = false")];
+    for (from, to) in coarse.iter().chain(replacements) {
         assert!(text.contains(from), "{from}");
         text = text.replace(from, to);
     }
@@ -88,7 +89,7 @@ fn polish_writes_better_poses_beside_the_plan() {
     assert_eq!(stdout(desk.path(), "polish out/plan.json --cycles 2 --json"), written);
     let polished: PolishedPlan = serde_json::from_str(&written).unwrap();
     assert_eq!((polished.header.format.as_str(), polished.header.version), ("calipose.polished", 1));
-    assert_eq!(polished.grid.certificate, plan.certificate);
+    assert_eq!(polished.grid.certificate, plan.certificate.grid);
     assert_eq!((polished.grid.value, polished.grid.bound), (plan.value, plan.bound));
     // A variance.
     assert!(polished.value < plan.value && polished.map_error_px < plan.map_error_px);
@@ -142,7 +143,7 @@ fn what_is_no_plan_of_the_problem_is_refused() {
         assert!(complaint(desk.path(), &plan, 3).contains("lead to another camera pose"));
         change(&|plan| plan.poses[0] = plan.poses[1].clone());
         assert!(complaint(desk.path(), &plan, 3).contains("occurs twice"));
-        change(&|plan| plan.certificate.terms[0].criterion = "best".into());
+        change(&|plan| plan.certificate.grid.terms[0].criterion = "best".into());
         assert!(
             complaint(desk.path(), &plan, 3).contains("its certificate is for \"1 best\"; the problem asks for \"v\"")
         );

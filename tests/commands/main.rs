@@ -12,6 +12,7 @@ mod documents;
 mod explain_and_polish;
 mod next_poses;
 mod noise;
+mod off_grid;
 mod overrides;
 mod reach;
 mod render;

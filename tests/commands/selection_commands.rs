@@ -54,7 +54,7 @@ fn combinations_are_one_objective_with_one_certificate() {
     desk.change("both.toml", &[("criterion = \"v\"", "criterion = { v = 3, diversity = 1 }")]);
     let both = plan(&desk, "plan both.toml -k 9 -o both");
     assert_eq!(both["criterion"], "0.75 v + 0.25 diversity");
-    assert_eq!(both["certificate"]["terms"].as_array().unwrap().len(), 2);
+    assert_eq!(both["certificate"]["grid"]["terms"].as_array().unwrap().len(), 2);
     assert!(desk.stdout("certify both/plan.json").contains("the certificate holds"));
     // It gives up a little of the map error for the spread.
     let alone = plan(&desk, "plan coarse.toml -k 9 -o alone");
@@ -242,9 +242,9 @@ fn a_plan_that_was_tampered_with_does_not_hold() {
         ("/value", "the value"),
         ("/bound", "the bound"),
         ("/efficiency", "the efficiency"),
-        ("/certificate/bound", "the certificate's bound"),
-        ("/certificate/terms/0/matrix/0/0", "the certificate's bound"),
-        ("/certificate/terms/0/matrix/0/1", "semidefinite"),
+        ("/certificate/grid/bound", "the certificate's bound"),
+        ("/certificate/grid/terms/0/matrix/0/0", "the certificate's bound"),
+        ("/certificate/grid/terms/0/matrix/0/1", "semidefinite"),
         ("/map_error_px", "the map error"),
         ("/intrinsics/sigma/2", "a predicted sigma"),
     ] {
@@ -257,7 +257,7 @@ fn a_plan_that_was_tampered_with_does_not_hold() {
     assert!(complaint.contains("occurs twice"), "{complaint}");
     let complaint = tampered(&|plan| plan["criterion"] = json!("d"));
     assert!(complaint.contains("it optimises \"d\"; the problem asks for \"v\""), "{complaint}");
-    let complaint = tampered(&|plan| plan["certificate"]["terms"][0]["criterion"] = json!("d"));
+    let complaint = tampered(&|plan| plan["certificate"]["grid"]["terms"][0]["criterion"] = json!("d"));
     assert!(complaint.contains("its certificate is for \"1 d\""), "{complaint}");
 }
 

@@ -4,9 +4,9 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use calipose::plan::assess::certify;
+use calipose::plan::assess::{CertifyError, certify};
 use calipose::plan::choose::{Chooser, decide, plan_survey, refined_survey};
-use calipose::plan::document::{Document, Plan};
+use calipose::plan::document::{ContinuumDocument, Document, Plan};
 use calipose::plan::survey::{NoView, Survey};
 use calipose::problem::{Overrides, Problem};
 use calipose::sweep::JointSpace;
@@ -82,6 +82,7 @@ fn a_plan_holds_what_certifying_it_needs() {
     let swept = refined_survey(&problem, &|_| {}).unwrap();
     let mut again = swept.clone();
     again.take_off_grid(&problem, &plan.off_grid).unwrap();
+    again.good.clone_from(&survey.good);
     assert_eq!(again, survey);
     certify(&plan, &problem, &again).unwrap();
     // Without the views off the grid, and with other ones.
@@ -141,4 +142,92 @@ fn margins_and_resolutions_shape_the_sweep_too() {
             assert!(degrees >= least + 5.0 - 1e-9 && degrees <= greatest - 5.0 + 1e-9, "{degrees}");
         }
     }
+}
+
+/// An arm that hardly moves, of which all joint values are bounded in no time.
+fn narrow(set: &[&str]) -> Problem {
+    let mut text = std::fs::read_to_string("problems/servosila-engineer.toml").unwrap();
+    let ranges = [
+        ("[-214.2, 137.3]", "[-44, -38]"),
+        ("[-16.4, 114.2]", "[31, 37]"),
+        ("[-216.9, 0]", "[-216, -210]"),
+        ("[0, 188.8]", "[19, 25]"),
+    ];
+    for (from, to) in ranges {
+        assert!(text.contains(from));
+        text = text.replace(from, to);
+    }
+    let set = ["sweep.step_deg=1.5", "selection.count=5", "estimate.intrinsics=[\"fx\", \"fy\", \"cx\", \"cy\"]"].iter().chain(set);
+    let overrides = set.fold(Overrides::new(), |overrides, set| overrides.set(set).unwrap());
+    Problem::parse_with(&text, Path::new("problem.toml"), &overrides).unwrap()
+}
+
+#[test]
+fn all_joint_values_are_bounded_and_certified() {
+    for (criterion, most) in [("v", 200_000), ("e", 200_000), ("d", 40)] {
+        let boxes = format!("selection.continuum_boxes={most}");
+        let problem = narrow(&[&format!("selection.criterion={criterion}"), &boxes, "constraints.picture_separation_px=0"]);
+        let survey = plan_survey(&problem, &|_| {}).unwrap();
+        let chooser = Chooser::new(&problem, &survey).unwrap();
+        let decision = decide(&chooser, &mut |_| ControlFlow::Continue(())).unwrap();
+        let mut told = 0;
+        let bound = chooser.continuum(&decision.choice, &decision.certificate, &mut |_| {
+            told += 1;
+            ControlFlow::Continue(())
+        });
+        let bound = bound.unwrap().unwrap();
+        assert!(told > 0);
+        let plan = Plan::new(&chooser, &decision).unwrap().within_continuum(&chooser, &decision, &bound);
+        let plan = Plan::from_json(&plan.to_json()).unwrap();
+        let continuum = plan.certificate.continuum.clone().unwrap();
+        // Poses may repeat there, and may not on a list of views.
+        assert!(continuum.efficiency < 1.0, "{continuum:?}");
+        if criterion == "d" {
+            assert_eq!(continuum.end, "box limit");
+        } else {
+            assert_eq!(continuum.end, "closed");
+            assert!(continuum.efficiency > 0.8, "{continuum:?}");
+        }
+        let confirmed = certify(&plan, &problem, &survey).unwrap();
+        assert!((confirmed.continuum.unwrap()[1] / continuum.efficiency - 1.0).abs() < 1e-8);
+        let refused = |change: &dyn Fn(&mut Plan)| {
+            let mut changed = plan.clone();
+            change(&mut changed);
+            certify(&changed, &problem, &survey).unwrap_err()
+        };
+        let continuum = |plan: &mut Plan| plan.certificate.continuum.clone().unwrap();
+        let with = |change: &dyn Fn(&mut ContinuumDocument)| {
+            refused(&|plan| {
+                let mut document = continuum(plan);
+                change(&mut document);
+                plan.certificate.continuum = Some(document);
+            })
+        };
+        with(&|document| document.bound *= 1.001);
+        with(&|document| document.efficiency *= 1.001);
+        with(&|document| document.score *= 0.999);
+        with(&|document| document.count += 1);
+        with(&|document| document.tolerance *= 2.0);
+        with(&|document| document.terms[0].matrix[0][0] *= 1.001);
+        with(&|document| document.terms[0].share = 0.9);
+        with(&|document| document.terms[0].criterion = "a".into());
+        with(&|document| document.end = "done".into());
+    }
+}
+
+/// A claim that fits itself, of a score that some views exceed.
+#[test]
+fn a_score_that_views_exceed_is_not_certified() {
+    let problem = narrow(&["selection.continuum_boxes=200000", "constraints.picture_separation_px=0"]);
+    let survey = plan_survey(&problem, &|_| {}).unwrap();
+    let chooser = Chooser::new(&problem, &survey).unwrap();
+    let decision = decide(&chooser, &mut |_| ControlFlow::Continue(())).unwrap();
+    let bound = chooser.continuum(&decision.choice, &decision.certificate, &mut |_| ControlFlow::Continue(()));
+    let mut bound = bound.unwrap().unwrap();
+    // Without priors the bound is the score's, to its scale.
+    bound.score *= 0.8;
+    bound.log_bound += 0.8f64.ln();
+    let plan = Plan::new(&chooser, &decision).unwrap().within_continuum(&chooser, &decision, &bound);
+    let error = certify(&plan, &problem, &survey).unwrap_err();
+    assert!(matches!(error, CertifyError::Continuum { .. }), "{error}");
 }

@@ -44,7 +44,7 @@ fn robust_plans_hold_by_every_criterion() {
         let confirmed = certify(&plan, &problem, &survey);
         let confirmed = confirmed.unwrap_or_else(|error| panic!("{} {}: {error}", selected, goal.name()));
         assert!(confirmed.efficiency > 0.5 && confirmed.efficiency <= 1.0, "{} {}", selected, goal.name());
-        assert_eq!(plan.certificate.terms.len(), 3 * selected.criteria().len());
+        assert_eq!(plan.certificate.grid.terms.len(), 3 * selected.criteria().len());
     }
 }
 

@@ -178,7 +178,7 @@ fn every_change_of_an_ordinary_plan_is_noticed() {
 fn every_change_of_a_plan_for_accuracies_is_noticed() {
     let accuracy = ("criterion = \"v\"\nmethod = \"best\"\ncount = 10", "accuracy = { map_error_px = 3.2, fx = 4.5 }");
     let planned = Planned::new(problem("servosila-engineer", &[COARSE, accuracy], ""));
-    every_change_is_noticed(&planned, &["/fewest/refutation/bound", "/certificate/mixture/1"]);
+    every_change_is_noticed(&planned, &["/fewest/refutation/bound", "/certificate/grid/mixture/1"]);
 }
 
 #[test]
@@ -189,10 +189,10 @@ fn every_change_of_a_plan_under_constraints_is_noticed() {
     let groups = "\n[constraints]\njoint_separation_deg = 40\n[[constraints.groups]]\nname = \"left\"\n\
                   joints = { waist = [0, 200] }\nmost = 2\n";
     let planned = Planned::new(problem("servosila-engineer", &[COARSE, criterion], groups));
-    every_change_is_noticed(&planned, &["/certificate/prices/0/price", "/certificate/terms/1/share"]);
+    every_change_is_noticed(&planned, &["/certificate/grid/prices/0/price", "/certificate/grid/terms/1/share"]);
     // One that is negative would lower the bound of sets that leave room in the group.
     let mut negative = planned.plan.clone();
-    negative.certificate.prices[0].price *= -1.0;
+    negative.certificate.grid.prices[0].price *= -1.0;
     assert!(matches!(planned.certify(&negative), Err(CertifyError::Prices)));
 }
 
@@ -214,7 +214,7 @@ fn every_change_of_a_robust_plan_is_noticed() {
     let planned = Planned::new(problem("servosila-engineer", &[COARSE, few], robust));
     planned.certify(&planned.plan).unwrap();
     let plan: Value = serde_json::from_str(&planned.plan.to_json()).unwrap();
-    let scenarios = planned.plan.certificate.terms.iter().map(|term| term.scenario);
+    let scenarios = planned.plan.certificate.grid.terms.iter().map(|term| term.scenario);
     assert_eq!(scenarios.collect::<Vec<_>>(), [Some(0), Some(1)]);
     // What other plans have too is changed there.
     let mut changes = changes(&plan);
@@ -272,7 +272,7 @@ fn a_better_bound_than_the_matrix_proves_is_noticed() {
         &|rows| rows[0][0] = f64::NAN,
         &|rows| drop(rows.pop()),
     ] {
-        let error = refused(&|plan| change(&mut plan.certificate.terms[0].matrix));
+        let error = refused(&|plan| change(&mut plan.certificate.grid.terms[0].matrix));
         assert!(matches!(error, CertifyError::Matrix { .. }), "{error}");
     }
 
@@ -281,7 +281,7 @@ fn a_better_bound_than_the_matrix_proves_is_noticed() {
         ("criterion = \"v\"\nmethod = \"best\"\ncount = 10", "criterion = \"e\"\nmethod = \"exact\"\ncount = 6");
     let planned = Planned::new(problem("servosila-engineer", &[COARSE, exact], ""));
     let Plan { value, certificate, .. } = &planned.plan;
-    let bounds = [value * 0.99, *value, f64::midpoint(*value, certificate.bound), certificate.bound * 1.01];
+    let bounds = [value * 0.99, *value, f64::midpoint(*value, certificate.grid.bound), certificate.grid.bound * 1.01];
     for (end, holds) in [("optimal", [false, true, false, false]), ("node limit", [false, true, true, false])] {
         for (bound, holds) in bounds.into_iter().zip(holds) {
             let mut changed = planned.plan.clone();
@@ -453,7 +453,7 @@ fn honest_plans_of_all_cameras_hold_and_what_is_beyond_the_tolerance_is_noticed(
                     loosest = loosest.max(confirmed.tolerance);
                 }
                 let little = 1.0 + 3.0 * confirmed.tolerance;
-                let p = plan.certificate.terms[0].matrix.len() as f64;
+                let p = plan.certificate.grid.terms[0].matrix.len() as f64;
                 let more = |value: f64| match criterion {
                     Criterion::D | Criterion::Diversity => value + p * little.ln(),
                     _ => value * little,
@@ -461,7 +461,7 @@ fn honest_plans_of_all_cameras_hold_and_what_is_beyond_the_tolerance_is_noticed(
                 let changes: [&dyn Fn(&mut Plan); 6] = [
                     &|plan| plan.value = more(plan.value),
                     &|plan| plan.bound = more(plan.bound),
-                    &|plan| plan.certificate.bound = more(plan.certificate.bound),
+                    &|plan| plan.certificate.grid.bound = more(plan.certificate.grid.bound),
                     &|plan| plan.efficiency *= little,
                     &|plan| plan.map_error_px *= little,
                     &|plan| plan.intrinsics.sigma[0] *= little,

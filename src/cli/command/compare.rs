@@ -7,7 +7,7 @@ use crate::cli::long_work::sweeping;
 use crate::cli::output::failure::Failure;
 use crate::cli::output::{Screen, short, table};
 use crate::cli::{number_of, trials};
-use crate::plan::assess::{Equivalent, Row, compare, equivalent_kmeans, verify};
+use crate::plan::assess::{BestOffGrid, Equivalent, Row, best_off_grid, compare, equivalent_kmeans, verify};
 use crate::plan::choose::{Choice, Chooser, refined_survey};
 use crate::plan::survey::Survey;
 use crate::problem::{Method, Problem};
@@ -40,7 +40,11 @@ pub(crate) fn run(arguments: &CompareArguments, screen: &mut Screen) -> Result<(
     if arguments.seeds > 1000 {
         return Err(Failure::Usage("--seeds must be from 1 to 1000".into()));
     }
-    let problem = arguments.problem.problem(&arguments.selection.options())?;
+    let options = arguments.selection.options();
+    let stated = arguments.problem.problem(&options)?;
+    // All methods are compared on the sweep's views, which the baselines never leave.
+    let on_grid = ("selection.off_grid", Some("false".to_owned()));
+    let problem = arguments.problem.problem(&[&options[..], &[on_grid]].concat())?;
     let survey = sweeping(screen, &problem, |observe| refined_survey(&problem, observe))?;
 
     let k = problem.selection.goal.count().unwrap_or(COUNT);
@@ -58,7 +62,7 @@ pub(crate) fn run(arguments: &CompareArguments, screen: &mut Screen) -> Result<(
     let bar = screen.progress("comparing", methods.len() * counts.len());
     let compared = compare(&chooser, &methods, &counts, problem.selection.seed, arguments.seeds, &mut || bar.inc(1));
     bar.finish_and_clear();
-    let comparison = compared?;
+    let mut comparison = compared?;
 
     let bar = screen.progress("k-means", 2 * counts.len());
     let plan = |&count: &usize| {
@@ -77,7 +81,7 @@ pub(crate) fn run(arguments: &CompareArguments, screen: &mut Screen) -> Result<(
     bar.finish_and_clear();
 
     let bar = screen.progress("measuring", comparison.rows.len());
-    let measured: Vec<Option<MonteCarlo>> = comparison
+    let mut measured: Vec<Option<MonteCarlo>> = comparison
         .rows
         .iter()
         .map(|row| {
@@ -86,6 +90,14 @@ pub(crate) fn run(arguments: &CompareArguments, screen: &mut Screen) -> Result<(
         })
         .collect();
     bar.finish_and_clear();
+    if stated.selection.leaves_grid() {
+        let swept = refined_survey(&stated, &|_| {})?;
+        for &count in counts.iter().filter(|&&count| count <= swept.views.len()) {
+            let BestOffGrid { survey, row } = best_off_grid(&stated, &swept, count)?;
+            measured.push(measure(&stated, &survey, &row.choice, arguments.trials));
+            comparison.rows.push(row);
+        }
+    }
 
     screen.document(&comparison.document(&problem, &chooser, &measured, &equivalents))?;
     let rows = comparison.rows.iter().zip(&measured);
@@ -135,7 +147,7 @@ fn measure(problem: &Problem, survey: &Survey, choice: &Choice, trials: usize) -
 
 fn text_row(problem: &Problem, chooser: &Chooser, row: &Row, measured: Option<&MonteCarlo>) -> Vec<String> {
     let sigma = |i: usize| row.choice.sigma.get(i).map_or("-".into(), |&s| short(s));
-    [row.method.name().to_owned(), row.choice.selected.len().to_string()]
+    [row.name(), row.choice.selected.len().to_string()]
         .into_iter()
         .chain([short(chooser.natural(row.choice.log_value)), short(row.choice.map_error)])
         .chain([

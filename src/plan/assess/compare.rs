@@ -5,11 +5,12 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
-use crate::plan::choose::{Choice, Chooser, KMeans, PlanError};
+use crate::plan::choose::{Choice, Chooser, KMeans, PlanError, leave_grid};
 use crate::plan::document::{
     ComparisonDocument, ComparisonEquivalent, ComparisonRow, Document, MeasuredRow, ProblemReference, finite,
 };
-use crate::problem::{Method, Problem};
+use crate::plan::survey::Survey;
+use crate::problem::{Goal, Method, Problem};
 use crate::verification::MonteCarlo;
 
 /// One method at one number of poses.
@@ -17,6 +18,8 @@ use crate::verification::MonteCarlo;
 pub struct Row {
     /// The method.
     pub method: Method,
+    /// Whether the poses could leave the grid.
+    pub off_grid: bool,
     /// The choice; of a method that depends on a seed, the one with the median map error.
     pub choice: Choice,
     /// Share of the best possible information that the choice has at least.
@@ -46,6 +49,38 @@ pub struct Equivalent {
     pub tried: usize,
 }
 
+impl Row {
+    /// What it is called: the method, and whether it could leave the grid.
+    pub fn name(&self) -> String {
+        if self.off_grid { format!("{}-off-grid", self.method.name()) } else { self.method.name().into() }
+    }
+}
+
+/// The best poses that may leave the grid, with the views that they are among.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BestOffGrid {
+    /// The swept views, and those found off the grid.
+    pub survey: Survey,
+    /// The choice.
+    pub row: Row,
+}
+
+/// The best `count` poses that may leave the grid of `swept`, the views of `problem`. By criteria: accuracies would set the count.
+///
+/// # Errors
+/// As [`Chooser::best`].
+pub fn best_off_grid(problem: &Problem, swept: &Survey, count: usize) -> Result<BestOffGrid, PlanError> {
+    let start = Instant::now();
+    let criteria = problem.selection.goal.criteria().into_owned();
+    let mut problem = problem.clone();
+    problem.selection.goal = Goal::Best { criteria, count, method: Method::Best };
+    let survey = leave_grid(&problem, swept.clone())?;
+    let (choice, certificate) = Chooser::new(&problem, &survey)?.best(count, problem.selection.seed)?;
+    let efficiency = certificate.efficiency(choice.log_value);
+    let row = Row { method: Method::Best, off_grid: true, choice, efficiency, time: start.elapsed() };
+    Ok(BestOffGrid { survey, row })
+}
+
 impl Comparison {
     /// What is written of the rows, what simulated calibrations of each came to if there were any, and the numbers of poses
     /// whose plans k-means was to equal.
@@ -58,7 +93,7 @@ impl Comparison {
     ) -> ComparisonDocument {
         let names = problem.unknowns().names();
         let row = |(row, measured): (&Row, &Option<MonteCarlo>)| ComparisonRow {
-            method: row.method.name().into(),
+            method: row.name(),
             count: row.choice.selected.len(),
             value: finite(chooser.natural(row.choice.log_value)),
             map_error_px: finite(row.choice.map_error),
@@ -108,7 +143,7 @@ pub fn compare(
             let runs = if method.is_seeded() { seeds } else { 1 };
             let (choice, time) = median_choice(chooser, method, count, seed, runs)?;
             let efficiency = certificate.efficiency(choice.log_value);
-            rows.push(Row { method, choice, efficiency, time });
+            rows.push(Row { method, off_grid: false, choice, efficiency, time });
             observe();
         }
     }

@@ -12,7 +12,7 @@ mod review;
 mod verify;
 
 pub use certify::{BrokenConstraint, CertifyError, Confirmed, Unchecked, certify};
-pub use compare::{Comparison, Equivalent, Row, compare, equivalent_kmeans, median_choice};
+pub use compare::{BestOffGrid, Comparison, Equivalent, Row, best_off_grid, compare, equivalent_kmeans, median_choice};
 pub use explain::{ExplainSettings, explain};
 pub use forecast::{Forecast, forecast, forecast_bytes};
 pub use locate::LocateError;

@@ -43,6 +43,8 @@ pub struct Survey {
     pub refined: usize,
     /// How many of the views are off the grid; they are the last.
     pub off_grid: usize,
+    /// Places of poses that were found to be good together, ascending; a choice of as many is no worse.
+    pub good: Vec<usize>,
     /// The views' information on the estimated intrinsics, in the views' order.
     pub information: InformationSet,
     /// The p×p weight of the map error.
@@ -233,6 +235,7 @@ impl Survey {
             links: self.links.clone(),
             refined: self.refined,
             off_grid: 0,
+            good: vec![],
             information: self.information.only(places),
             map_weight: self.map_weight.clone(),
             scenarios: self.scenarios.iter().map(of_scenario).collect(),
@@ -263,6 +266,7 @@ impl Survey {
             links: LinkPairs::default(),
             refined: 0,
             off_grid: 0,
+            good: vec![],
             information,
             map_weight: problem.unknowns().map_error_weight(),
             scenarios,

@@ -15,6 +15,10 @@ pub(crate) use local_search::{LocalSearch, ranges};
 pub use poses::PolishSettings;
 pub(crate) use poses::{Moved, Poses, moved};
 
+use rand::{Rng, SeedableRng};
+use rand_xoshiro::Xoshiro256Plus;
+use rayon::prelude::*;
+
 use super::choice::Choice;
 use super::chooser::Chooser;
 use super::error::PlanError;
@@ -28,7 +32,10 @@ const SHORTLIST: usize = 1500;
 const SHORTLIST_PER_POSE: usize = 50;
 
 /// Most times that poses are chosen and moved.
-const ROUNDS: usize = 3;
+const ROUNDS: usize = 4;
+
+/// Random halves of the swept views that other choices to begin with are made from.
+const HALVES: usize = 6;
 
 /// Gain in log Φ below which a round is the last.
 const LEAST_GAIN: f64 = 1e-4;
@@ -53,7 +60,7 @@ pub(crate) fn leave_grid(problem: &Problem, mut survey: Survey) -> Result<Survey
     if !problem.selection.leaves_grid() {
         return Ok(survey);
     }
-    let found = {
+    let Found { columns, sets } = {
         let chooser = Chooser::new(problem, &survey)?;
         let count = problem.selection.goal.count().unwrap_or(PICKS).min(survey.views.len());
         // Where nothing can be chosen there is nothing to improve; the selection itself says why.
@@ -62,56 +69,91 @@ pub(crate) fn leave_grid(problem: &Problem, mut survey: Survey) -> Result<Survey
         let shortlist = chooser.highest(&certificate, count, most)?;
         found(problem, shortlist, count)?
     };
-    survey.add_off_grid(problem, &found)?;
+    survey.add_off_grid(problem, &columns)?;
+    for set in sets {
+        survey.add_off_grid(problem, &set)?;
+        let mut good: Vec<usize> =
+            set.iter().filter_map(|q| survey.views.iter().position(|view| view.q == *q)).collect();
+        good.sort_unstable();
+        survey.good = if good.len() == set.len() { good } else { vec![] };
+    }
     Ok(survey)
 }
 
-/// Joint values of the views found from a short list of swept ones.
-fn found(problem: &Problem, mut shortlist: Survey, count: usize) -> Result<Vec<Vec<f64>>, PlanError> {
+/// Joint values of views off the grid, and of poses that are good together, some of which may be swept.
+struct Found {
+    columns: Vec<Vec<f64>>,
+    sets: Vec<Vec<Vec<f64>>>,
+}
+
+/// What is found from a short list of swept views.
+fn found(problem: &Problem, mut shortlist: Survey, count: usize) -> Result<Found, PlanError> {
     let swept = shortlist.views.len();
     let columns = columns(problem, &Chooser::new(problem, &shortlist)?, count)?;
     shortlist.add_off_grid(problem, &columns)?;
+    let mut sets = Vec::new();
     match &problem.selection.goal {
-        Goal::Best { .. } => {
-            improve(problem, &mut shortlist, count)?;
-        }
+        Goal::Best { .. } => sets.extend(improved(problem, &mut shortlist, swept, count)?.map(|(_, set)| set)),
         Goal::Fewest { .. } => {
-            let Some(most) = enough(&Chooser::new(problem, &shortlist)?, count) else {
-                return Ok(joints(&shortlist, swept));
-            };
-            for fewer in 0..=FEWER.min(most - 1) {
-                let reached = improve(problem, &mut shortlist, most - fewer)?;
-                if reached < 0.0 {
+            let most = enough(&Chooser::new(problem, &shortlist)?, count).unwrap_or(0);
+            for count in (1..=most).rev().take(1 + FEWER) {
+                let Some((log_value, set)) = improved(problem, &mut shortlist, swept, count)? else { break };
+                sets.push(set);
+                if log_value < 0.0 {
                     break;
                 }
             }
         }
     }
-    Ok(joints(&shortlist, swept))
+    Ok(Found { columns, sets })
 }
 
-fn joints(survey: &Survey, swept: usize) -> Vec<Vec<f64>> {
-    survey.views[swept..].iter().map(|view| view.q.clone()).collect()
-}
-
-/// Chooses `count` poses and moves them, as long as that gains, and adds where they end to the survey. Gives log Φ of the best of them.
-fn improve(problem: &Problem, survey: &mut Survey, count: usize) -> Result<f64, PlanError> {
-    let mut best = f64::NEG_INFINITY;
-    for _ in 0..ROUNDS {
-        let moved = {
+/// Chooses `count` poses and moves them, as long as that gains, and adds where they end to the survey, whose first views are `swept`.
+/// Gives log Φ and the joint values of the best of them. Where poses end depends on where they begin, so the first choice is not
+/// the only one that is moved.
+fn improved(
+    problem: &Problem,
+    survey: &mut Survey,
+    swept: usize,
+    count: usize,
+) -> Result<Option<(f64, Vec<Vec<f64>>)>, PlanError> {
+    let mut best: Option<(f64, Vec<Vec<f64>>)> = None;
+    for round in 0..ROUNDS {
+        let ends = {
             let chooser = Chooser::new(problem, survey)?;
             let Ok((choice, _)) = chooser.best(count, problem.selection.seed) else { break };
-            if choice.log_value < best + LEAST_GAIN {
+            if best.as_ref().is_some_and(|(log_value, _)| choice.log_value < log_value + LEAST_GAIN) {
                 break;
             }
+            let mut starts = if round == 0 { others(problem, &chooser, swept, count) } else { vec![] };
+            starts.push(choice);
             let settings = PolishSettings { least_gain: LEAST_GAIN, ..PolishSettings::default() };
-            let moved = moved(problem, &chooser, &choice, &settings, &mut |_| {})?;
-            best = moved.log_value;
-            moved.poses.views().map(|view| view.q.clone()).collect::<Vec<_>>()
+            let ends = starts.par_iter().map(|start| moved(problem, &chooser, start, &settings, &mut |_| {}));
+            ends.collect::<Result<Vec<_>, _>>()?
         };
-        survey.add_off_grid(problem, &moved)?;
+        for end in ends {
+            let joints: Vec<Vec<f64>> = end.poses.views().map(|view| view.q.clone()).collect();
+            survey.add_off_grid(problem, &joints)?;
+            if best.as_ref().is_none_or(|(log_value, _)| end.log_value > *log_value) {
+                best = Some((end.log_value, joints));
+            }
+        }
     }
     Ok(best)
+}
+
+/// Other choices to begin with: the best of the swept views, and of random halves of them.
+fn others(problem: &Problem, chooser: &Chooser, swept: usize, count: usize) -> Vec<Choice> {
+    let mut rng = Xoshiro256Plus::seed_from_u64(problem.selection.seed);
+    let all = (0..swept).collect();
+    let halves = (0..HALVES).map(|_| (0..swept).filter(|_| rng.gen_bool(0.5)).collect());
+    let parts: Vec<Vec<usize>> = std::iter::once(all).chain(halves).collect();
+    let of_part = |places: &Vec<usize>| {
+        let part = chooser.survey().only(places);
+        let (choice, _) = Chooser::new(problem, &part).ok()?.best(count, problem.selection.seed).ok()?;
+        Some(chooser.assess(choice.selected.iter().map(|&place| places[place]).collect()))
+    };
+    parts.par_iter().filter_map(of_part).collect()
 }
 
 /// How many poses reach the accuracies requested, before any is moved; `None` if all views together do not. `near` is where to

@@ -26,7 +26,7 @@ pub struct ComparisonDocument {
 /// One method at one number of poses.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ComparisonRow {
-    /// The method.
+    /// The method; `best-off-grid` where the poses could leave the grid.
     pub method: String,
     /// Number of poses.
     pub count: usize,
