@@ -465,11 +465,11 @@ fn verify_refuses_what_is_no_plan_of_the_problem() {
     let plan = std::fs::read_to_string(desk.path("out/plan.json")).unwrap();
     std::fs::write(desk.path("out/plan.json"), &plan[..plan.len() / 2]).unwrap();
     assert!(desk.complaint("verify out/plan.json --problem coarse.toml", 3).contains("not a plan"));
-    std::fs::write(desk.path("out/plan.json"), plan.replace("\"version\": 3", "\"version\": 9")).unwrap();
+    std::fs::write(desk.path("out/plan.json"), plan.replace("\"version\": 4", "\"version\": 9")).unwrap();
     assert!(desk.complaint("verify out/plan.json --problem coarse.toml", 3).contains("version 9"));
-    std::fs::write(desk.path("out/plan.json"), plan.replace("\"version\": 3", "\"version\": 2")).unwrap();
+    std::fs::write(desk.path("out/plan.json"), plan.replace("\"version\": 4", "\"version\": 3")).unwrap();
     let older = desk.complaint("verify out/plan.json --problem coarse.toml", 3);
-    assert!(older.contains("version 2, made by an older calipose") && older.contains("make a new plan"), "{older}");
+    assert!(older.contains("version 3, made by an older calipose") && older.contains("make a new plan"), "{older}");
 }
 
 /// The hash in a plan is of the problem file; the robot is in another.

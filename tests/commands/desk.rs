@@ -15,7 +15,10 @@ impl Desk {
     pub(crate) fn new() -> Self {
         let desk = Self { folder: tempfile::tempdir().unwrap() };
         std::fs::copy("problems/servosila-engineer.toml", desk.path("coarse.toml")).unwrap();
-        desk.change("coarse.toml", &[("step_deg = 8", "step_deg = 15"), ("[selection]", "[selection]\noff_grid = false")]);
+        desk.change(
+            "coarse.toml",
+            &[("step_deg = 8", "step_deg = 15"), ("[selection]", "[selection]\noff_grid = false")],
+        );
         desk
     }
 

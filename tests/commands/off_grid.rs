@@ -53,8 +53,8 @@ fn compare_has_the_best_poses_on_the_grid_and_off_it() {
 fn margins_and_steps_that_leave_no_joint_value_are_refused() {
     let desk = Desk::new();
     for (value, said) in [
-        ("robot.limit_margin_deg=64", "from 0 to 63.994"),
-        ("robot.limit_margin_deg=-1", "from 0 to 63.994"),
+        ("robot.limit_margin_deg=64", "from 0 to 63.99"),
+        ("robot.limit_margin_deg=-1", "from 0 to 63.99"),
         ("robot.joint_resolution_deg=131", "from 0 to 130.6"),
         ("robot.joint_resolution_mm=1", "prismatic"),
         ("selection.continuum_tolerance=0", "from 1e-6 to 10"),

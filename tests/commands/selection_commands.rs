@@ -266,6 +266,7 @@ fn from_sweep_on(desk: &Desk, name: &str, k2: f64, sections: &str) {
     let text = std::fs::read_to_string(desk.path("coarse.toml")).unwrap();
     let text = text.replace("k1 = -0.2\nk2 = 0.05", &format!("k1 = 0.05\nk2 = {k2}"));
     let (set_up, _) = text.split_once("[sweep]").unwrap();
+    let sections = sections.replace("[selection]\n", "[selection]\noff_grid = false\n");
     std::fs::write(desk.path(name), format!("{set_up}[sweep]\naxis = \"zone\"\n{sections}")).unwrap();
 }
 

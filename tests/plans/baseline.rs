@@ -18,6 +18,7 @@ const SEEDS: usize = 5;
 fn surveyed(criterion: Criterion) -> (Problem, Survey) {
     // The noise that the floors were measured under.
     let constant = Overrides::new().set("noise={sigma_px=0.3,model=\"constant\"}").unwrap();
+    let constant = constant.set("selection.off_grid=false").unwrap();
     let mut problem = Problem::read_with(Path::new("problems/servosila-engineer.toml"), &constant).unwrap();
     problem.selection.goal = Goal::Best { criteria: vec![(criterion, 1.0)], count: 10, method: Method::Best };
     let survey = survey(&problem, &|_| {}).unwrap();

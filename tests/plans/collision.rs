@@ -16,7 +16,8 @@ const CAPSULES: &str = include_str!("../data/ur5-capsules.toml");
 const WITHOUT_BODIES: &str = include_str!("../data/ur5-without-bodies.toml");
 
 fn load(text: &str) -> Problem {
-    Problem::parse(text, Path::new("problem.toml")).map_err(miette::Report::new).unwrap()
+    let text = text.replace("[selection]\n", "[selection]\noff_grid = false\n");
+    Problem::parse(&text, Path::new("problem.toml")).map_err(miette::Report::new).unwrap()
 }
 
 /// `text` with a scene, a small plate, less of a sample, and no clearance but what `scene` says.

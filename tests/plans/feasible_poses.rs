@@ -9,19 +9,25 @@ use calipose::plan::assess::verify;
 use calipose::plan::choose::{Chooser, decide};
 use calipose::plan::document::{Document, Plan};
 use calipose::plan::survey::survey;
-use calipose::problem::{Goal, Method, Problem};
+use calipose::problem::{Goal, Method, Overrides, Problem};
 use calipose::sweep::sweep;
 use calipose::target::{Corners, Marker};
 use calipose::verification::{Disturbance, Weighing};
 use nalgebra::Point3;
 
+fn on_grid(file: &str) -> Problem {
+    let on_grid = Overrides::new().set("selection.off_grid=false").unwrap();
+    Problem::read_with(Path::new(&format!("problems/{file}.toml")), &on_grid).unwrap()
+}
+
 fn bodies() -> Problem {
-    Problem::read(Path::new("problems/servosila-engineer-bodies.toml")).unwrap()
+    on_grid("servosila-engineer-bodies")
 }
 
 /// The problem with views that need `corners` of the 48 only.
 fn partial(corners: usize) -> Problem {
     let text = std::fs::read_to_string("problems/servosila-engineer-bodies.toml").unwrap();
+    let text = text.replace("[selection]", "[selection]\noff_grid = false");
     let text = text.replace("[visibility]", &format!("[visibility]\nmin_corners = {corners}"));
     Problem::parse(&text, Path::new("partial.toml")).unwrap()
 }
@@ -33,7 +39,7 @@ fn views(problem: &Problem) -> (Vec<View>, [usize; Rejection::ALL.len()]) {
 
 #[test]
 fn bodies_only_take_views_away() {
-    let plain = Problem::read(Path::new("problems/servosila-engineer.toml")).unwrap();
+    let plain = on_grid("servosila-engineer");
     let (seen, seen_rejected) = views(&plain);
     let (left, rejected) = views(&bodies());
     assert_eq!(seen.len(), 4534);
@@ -143,7 +149,7 @@ fn boards_read_in_part_keep_the_corners_that_are_seen() {
 /// Each view of the ChArUco board anew, by the tests themselves.
 #[test]
 fn corners_of_boards_with_markers_count_where_both_of_theirs_are_read() {
-    let problem = Problem::read(Path::new("problems/servosila-engineer-charuco.toml")).unwrap();
+    let problem = on_grid("servosila-engineer-charuco");
     let (views, _) = views(&problem);
     let markers = problem.target.board.markers();
     let occlusion = Occlusion::new(&problem.robot.tree, problem.robot.camera_link);

@@ -9,7 +9,7 @@ use calipose::problem::{Overrides, Problem};
 use calipose::verification::{Disturbance, Weighing};
 
 fn problem(set: &[&str]) -> Problem {
-    let set = ["sweep.step_deg=12", "noise.model=edges"].iter().chain(set);
+    let set = ["sweep.step_deg=12", "selection.off_grid=false", "noise.model=edges"].iter().chain(set);
     let overrides = set.fold(Overrides::new(), |overrides, set| overrides.set(set).unwrap());
     Problem::read_with(Path::new("problems/servosila-engineer.toml"), &overrides).unwrap()
 }
@@ -82,7 +82,8 @@ fn the_margin_leaves_room_for_the_detectors_window() {
 }
 
 fn of_the_rover(set: &[&str]) -> Problem {
-    let overrides = set.iter().fold(Overrides::new(), |overrides, set| overrides.set(set).unwrap());
+    let set = ["selection.off_grid=false"].iter().chain(set);
+    let overrides = set.fold(Overrides::new(), |overrides, set| overrides.set(set).unwrap());
     Problem::read_with(Path::new("problems/six-axis-rover.toml"), &overrides).unwrap()
 }
 

@@ -10,7 +10,7 @@ use calipose::problem::{Overrides, Problem};
 use calipose::verification::{Disturbance, Weighing};
 
 fn planned(set: &[&str]) -> (Problem, Plan) {
-    let set = ["sweep.step_deg=12"].iter().chain(set);
+    let set = ["sweep.step_deg=12", "selection.off_grid=false"].iter().chain(set);
     let overrides = set.fold(Overrides::new(), |overrides, set| overrides.set(set).unwrap());
     let problem = Problem::read_with(Path::new("problems/servosila-engineer.toml"), &overrides).unwrap();
     let survey = survey(&problem, &|_| {}).unwrap();

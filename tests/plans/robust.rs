@@ -16,7 +16,7 @@ const ASSEMBLED: &str = "robust={focal_length_percent=3, principal_point_px=10, 
                          board_translation_mm=2, board_rotation_deg=0.5, joint_zero_deg=0.3, scenarios=3, draws=60, seen_share=0.9}";
 
 fn problem(set: &[&str]) -> Problem {
-    let set = ["sweep.step_deg=15"].iter().chain(set);
+    let set = ["sweep.step_deg=15", "selection.off_grid=false"].iter().chain(set);
     let overrides = set.fold(Overrides::new(), |overrides, set| overrides.set(set).unwrap());
     Problem::read_with(Path::new("problems/servosila-engineer.toml"), &overrides).unwrap()
 }

@@ -34,6 +34,7 @@ fn stated(file: &str, replacements: &[(&str, &str)], sections: &str) -> Result<P
         assert!(text.contains(from), "{from}");
         text = text.replace(from, to);
     }
+    text = text.replace("[selection]\n", "[selection]\noff_grid = false\n");
     Problem::parse(&(text + sections), Path::new("problem.toml"))
 }
 

@@ -16,7 +16,7 @@ use calipose::target::{Board, Corners, Surface, Target, Warp, viewpoint};
 use calipose::verification::{Disturbance, Scene, Weighing};
 
 fn problem(set: &[&str]) -> Problem {
-    let set = ["sweep.step_deg=12", "target.warp_mm=0.5"].iter().chain(set);
+    let set = ["sweep.step_deg=12", "target.warp_mm=0.5", "selection.off_grid=false"].iter().chain(set);
     let overrides = set.fold(Overrides::new(), |overrides, set| overrides.set(set).unwrap());
     Problem::read_with(Path::new("problems/servosila-engineer.toml"), &overrides).unwrap()
 }

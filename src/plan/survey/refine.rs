@@ -109,7 +109,9 @@ impl Survey {
         let checks = problem.checks();
         let first = problem.space.len() + self.refined;
         let is_view = |(i, q): (usize, &Vec<f64>)| {
-            q.len() == problem.robot.chain.dof() && off_grid_view(problem, &checks, first + i, q).is_some()
+            q.len() == problem.robot.chain.dof()
+                && !configurations[..i].contains(q)
+                && off_grid_view(problem, &checks, first + i, q).is_some()
         };
         let none = configurations.iter().enumerate().position(|entry| !is_view(entry));
         if let Some(place) = none {

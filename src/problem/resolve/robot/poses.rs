@@ -45,7 +45,7 @@ impl Check<'_, '_> {
             let step =
                 resolution.given().map_or(RESOLUTION, |step| self.number(&step, Allowed::between(0.0, narrowest)));
             // Half the range would leave a single place.
-            let allowed = Allowed::between(0.0, 0.49 * narrowest);
+            let allowed = Allowed::between(0.0, (490.0 * narrowest).floor() / 1e3);
             let margin = margin.given().map(|margin| self.number(&margin, allowed));
             for (i, joint) in joints.iter_mut().enumerate().filter(|(_, joint)| joint.kind == kind) {
                 joint.resolution = Resolution::new(kind, step);
