@@ -22,4 +22,4 @@ pub use shortfall::{Measures, Sighting, VisibilityTest};
 pub(crate) use stability::convex_hull;
 pub use stability::{Stability, StabilityError};
 pub use views::{Checks, View, feasible_views};
-pub use visibility::{VisibilityLimits, told_in_image};
+pub use visibility::{MARKER_MARGIN, VisibilityLimits, told_in_image};

@@ -89,11 +89,14 @@ pub(super) fn visible_corners(
     Ok(seen)
 }
 
+/// Least distance in px of a marker's outline from the picture's border, for it to be read: OpenCV's `minDistanceToBorder`.
+pub const MARKER_MARGIN: f64 = 3.0;
+
 /// Why a marker cannot be read, however it is lit and whatever stands before it.
 fn illegible(camera: &Camera, limits: &VisibilityLimits, marker: &Marker, X_CT: &Pose) -> Option<Rejection> {
     let pixels: Option<Vec<_>> = marker.outline.iter().map(|point| camera.project(&(X_CT * point))).collect();
     let Some(pixels) = pixels else { return Some(Rejection::BeyondLens) };
-    if !pixels.iter().all(|pixel| camera.contains(pixel, 0.0)) {
+    if !pixels.iter().all(|pixel| camera.contains(pixel, MARKER_MARGIN)) {
         return Some(Rejection::OutsideImage);
     }
     let next = pixels.iter().cycle().skip(1);
@@ -104,7 +107,9 @@ fn illegible(camera: &Camera, limits: &VisibilityLimits, marker: &Marker, X_CT: 
 /// The corners of a board with `count` that are told from each other in a picture that `camera` takes from `X_CT`, as far as
 /// its `markers` are in it whole.
 pub fn told_in_image(camera: &Camera, markers: &[Marker], count: usize, X_CT: &Pose) -> Vec<bool> {
-    let is_in = |point: &Point3<f64>| camera.project(&(X_CT * point)).is_some_and(|pixel| camera.contains(&pixel, 0.0));
+    let is_in = |point: &Point3<f64>| {
+        camera.project(&(X_CT * point)).is_some_and(|pixel| camera.contains(&pixel, MARKER_MARGIN))
+    };
     told(markers, count, |marker| marker.outline.iter().all(is_in))
 }
 

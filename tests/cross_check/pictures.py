@@ -1,6 +1,6 @@
 """What plans are worth on pictures: rendered, detected and calibrated by OpenCV.
 
-    python tests/cross_check/pictures.py [--seeds N] [--cut-boards] PROBLEM PLAN [PROBLEM PLAN ...]
+    python tests/cross_check/pictures.py [--seeds N] [--cut-boards] [--either-detector] PROBLEM PLAN [PROBLEM PLAN ...]
     python tests/cross_check/pictures.py [--seeds N] --scatter
 
 `calipose render` makes the picture of every pose of a plan, on the grid or polished, without noise. From the plan's camera poses and its
@@ -14,7 +14,7 @@ as scatter over the seeds and the systematic rest, beside what is predicted for 
 `calipose noise` must find the same scatter in the corners. With --scatter, views of one board between 0 and 70 degrees of tilt and
 squares of 8 to 60 px hold the scatter of cornerSubPix against the model of the noise, sharp ones and ones out of focus and moved. Exits
 with 1 where a prediction is off by more than 15 %, a board is not found (with --cut-boards, for plans whose best views cut squares at the
-board's rim, one that is wholly in the picture), or the two renderers differ.
+board's rim, one that is wholly in the picture; with --either-detector, one that neither detector finds), or the two renderers differ.
 """
 
 import json
@@ -293,7 +293,7 @@ def found_by_detectors(index):
 
 
 def checkerboard_is_found(plan_path):
-    """Whether both renderers draw the same, and both of OpenCV's detectors find every board that they must."""
+    """Whether both renderers draw the same, and both of OpenCV's detectors, or one of them, find every board that they must."""
     poses = STATE["views"].poses
     # Found once, for all who draw. NumPy takes its time.
     _ = STATE["views"].rays
@@ -304,7 +304,8 @@ def checkerboard_is_found(plan_path):
           f"of the {whole.sum()} that are wholly in the picture {found[whole, 0].sum()} and {found[whole, 1].sum()}; "
           f"calipose's pictures and NumPy's differ by {grey:.2f} grey values, {apart:.4f} px at the corners", flush=True)
     must = whole if STATE["cut_boards"] else np.full(len(poses), True)
-    return found[must].all() and grey < SAME_GREY and apart < SAME_PX
+    enough = found.any(axis=1, keepdims=True) if STATE["either_detector"] else found
+    return enough[must].all() and grey < SAME_GREY and apart < SAME_PX
 
 
 def markers_are_found(plan_path):
@@ -420,8 +421,9 @@ if __name__ == "__main__":
         at = arguments.index("--seeds")
         seeds = int(arguments[at + 1])
         del arguments[at:at + 2]
-    STATE["cut_boards"] = "--cut-boards" in arguments
-    arguments = [argument for argument in arguments if argument != "--cut-boards"]
+    for option in ["--cut-boards", "--either-detector"]:
+        STATE[option.strip("-").replace("-", "_")] = option in arguments
+        arguments = [argument for argument in arguments if argument != option]
     if arguments == ["--scatter"]:
         sys.exit(0 if hold_scatter(seeds) else 1)
     if not arguments or len(arguments) % 2:

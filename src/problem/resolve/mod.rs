@@ -53,8 +53,10 @@ pub(super) fn resolve(document: &Document, file: &schema::File, path: &Path) -> 
     let prior_sigma = check.prior_sigma(&estimate, camera.as_ref(), &estimated, &names, noise.sigma);
     let lens_names = lens.map(Lens::parameter_names).unwrap_or_default();
     let robust = key!(file, robust).given();
-    let selection = check.selection(&key!(file, selection), &names);
+    let mut selection = check.selection(&key!(file, selection), &names);
     let robust = robust.map(|robust| check.robust(&robust, lens_names, &selection.goal));
+    // Whether a pose is a view in enough set-ups takes too long to ask at every step of a search.
+    selection.off_grid &= robust.is_none();
     // The size of the sweep means something only once the limits do.
     let sweep = key!(file, sweep);
     let space = robot.as_ref().and_then(|robot| check.space(&sweep, robot));

@@ -29,7 +29,8 @@ pub(crate) struct Selection {
     /// Accuracies to reach with as few poses as possible, in place of `criterion`, `method` and `count`: `map_error_px` and names of
     /// estimated intrinsics, each with the requested standard deviation, as in `{ map_error_px = 2, fx = 1.5 }`.
     pub(crate) accuracy: Option<BTreeMap<String, f64>>,
-    /// Whether poses may leave the sweep's configurations for better ones at any joint values; false for a plan of swept poses.
+    /// Whether poses may leave the sweep's configurations for better ones at any joint values; false for a plan of swept poses, which
+    /// robust plans always are.
     pub(crate) off_grid: bool,
     /// Boxes of joint values that are bounded at most for the certificate over all joint values; 0 for none. The bound reached by then
     /// is stated.

@@ -30,12 +30,12 @@ use rayon::prelude::*;
 use super::error::CertifyError;
 use super::function::{Function, in_units, inverse, last, matrix, scaled, uncertainty};
 use super::rules::Rules;
-use crate::feasibility::View;
+use crate::feasibility::{MARKER_MARGIN, View};
 use crate::information::{Criterion, DiversityModel, Measurement, NoiseModel, Unweighted};
 use crate::plan::survey::{Scenario, Scene, Survey};
 use crate::problem::{Accuracy, Goal, Problem, RobustGoal};
 use crate::spatial::Pose;
-use crate::target::Corners;
+use crate::target::{Corners, Marker};
 
 /// A logarithm and how far rounding, here and where the plan was made, may have moved it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -360,12 +360,14 @@ fn captured(problem: &Problem) -> impl Iterator<Item = Option<(Pose, Corners)>> 
     let least = problem.visibility.min_corners.unwrap_or(corners.len());
     problem.constraints.captured.iter().map(move |q| {
         let X_CT = problem.robot.camera_pose(q).inverse() * problem.target.X_BT;
-        let is_seen = |corner: &Point3<f64>| {
-            problem.camera.project(&(X_CT * corner)).is_some_and(|pixel| problem.camera.contains(&pixel, 0.0))
+        let is_seen = |corner: &Point3<f64>, margin: f64| {
+            problem.camera.project(&(X_CT * corner)).is_some_and(|pixel| problem.camera.contains(&pixel, margin))
         };
-        let is_cut =
-            |i: usize| markers.iter().any(|marker| marker.corners.contains(&i) && !marker.outline.iter().all(is_seen));
-        let seen: Vec<usize> = (0..corners.len()).filter(|&i| is_seen(&corners[i]) && !is_cut(i)).collect();
+        let is_cut = |i: usize| {
+            let is_whole = |marker: &Marker| marker.outline.iter().all(|point| is_seen(point, MARKER_MARGIN));
+            markers.iter().any(|marker| marker.corners.contains(&i) && !is_whole(marker))
+        };
+        let seen: Vec<usize> = (0..corners.len()).filter(|&i| is_seen(&corners[i], 0.0) && !is_cut(i)).collect();
         let faces_camera = (X_CT.rotation * Vector3::z()).dot(&X_CT.translation.vector) < 0.0;
         (faces_camera && seen.len() >= least).then_some((X_CT, Corners::Some(seen)))
     })
