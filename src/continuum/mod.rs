@@ -78,13 +78,13 @@ struct Scored<'a> {
 pub struct ContinuumSettings {
     /// Share by which the bound may exceed the greatest score known.
     pub tolerance: f64,
-    /// Most boxes that are looked at.
+    /// Boxes after which it ends, with the batch at hand.
     pub most_boxes: usize,
 }
 
 impl Default for ContinuumSettings {
     fn default() -> Self {
-        Self { tolerance: 0.02, most_boxes: 1_000_000 }
+        Self { tolerance: 0.02, most_boxes: 0 }
     }
 }
 
@@ -143,8 +143,8 @@ pub enum Unsupported {
     },
 }
 
-/// What is added to the eigenvalues of Y, as a share of the greatest, for their rounding.
-const EIGENVALUE_ROUNDING: f64 = 4.0 * f64::EPSILON;
+/// What is added to the eigenvalues of a Y of order 1, as a share of the greatest, for their rounding.
+const EIGENVALUE_ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// How far a box may move the board's points, as a share of their distance, for its score to be worth a bound.
 const WORTH: f64 = 0.3;
@@ -255,7 +255,7 @@ impl<'a> Scored<'a> {
 
     fn score<const N: usize, const Q: usize, const C: usize>(&self, kinematics: &Kinematics) -> Outcome<N, Q> {
         let VisibilityLimits { margin, min_corners, .. } = *self.setting.visibility;
-        let counting = Counting { margin, all: min_corners.is_none() };
+        let counting = Counting { margin, all: min_corners.is_none(), least: min_corners.unwrap_or(0) };
         score::<N, Q, C>(
             &self.setting.measurement,
             &self.groups,
@@ -282,7 +282,8 @@ fn root(Y: &DMatrix<f64>) -> DMatrix<f64> {
     let scale = DVector::from_iterator(Y.nrows(), Y.diagonal().iter().map(|y| y.max(0.0).sqrt()));
     let inverse = scale.map(|s| if s > 0.0 { s.recip() } else { 0.0 });
     let eigen = (DMatrix::from_diagonal(&inverse) * Y * DMatrix::from_diagonal(&inverse)).symmetric_eigen();
-    let roots = eigen.eigenvalues.map(|λ| (λ.max(0.0) + EIGENVALUE_ROUNDING).sqrt());
+    let rounding = EIGENVALUE_ROUNDING * Y.nrows() as f64 * eigen.eigenvalues.amax();
+    let roots = eigen.eigenvalues.map(|λ| (λ.max(0.0) + rounding).sqrt());
     DMatrix::from_diagonal(&scale) * eigen.eigenvectors * DMatrix::from_diagonal(&roots)
 }
 

@@ -75,6 +75,8 @@ pub(super) struct Counting {
     pub(super) margin: f64,
     /// Whether every corner must be in the picture.
     pub(super) all: bool,
+    /// Fewest corners that make a view.
+    pub(super) least: usize,
 }
 
 pub(super) fn packed<const N: usize, const Q: usize, const C: usize>(
@@ -107,6 +109,7 @@ pub(super) fn score<const N: usize, const Q: usize, const C: usize>(
         columns.map(|axis| packed(&[direction(&kinematics.of_board, &axis.into_owned()); LANES])).collect();
     let mut rows = Vec::with_capacity(groups.len());
     let mut inside = [(f64::INFINITY, None); 4];
+    let mut seen = 0;
     for group in groups {
         let points = packed(&group.points.map(|p| point(&kinematics.of_board, &(kinematics.X_CT * p))));
         let camera = measurement.unknowns.camera;
@@ -134,6 +137,7 @@ pub(super) fn score<const N: usize, const Q: usize, const C: usize>(
                 }
             }
         }
+        seen += counts.iter().filter(|&&counts| counts).count();
         let Some(first) = counts.iter().position(|&counts| counts) else { continue };
         let rows_of_group = if image.exists == [true; LANES] {
             rows_of(measurement, group, counts, root, kinematics, &axes, &points, &image)
@@ -149,6 +153,9 @@ pub(super) fn score<const N: usize, const Q: usize, const C: usize>(
             Ok(of_group) => rows.push(of_group),
             Err(TooLarge) => return Outcome::TooLarge,
         }
+    }
+    if seen < counting.least {
+        return Outcome::Empty;
     }
     let Some(K) = elimination(&rows, root.ncols()) else { return Outcome::TooLarge };
     let mut sum = Taylor::constant(0.0);

@@ -55,7 +55,7 @@ fn margins_and_steps_that_leave_no_joint_value_are_refused() {
     for (value, said) in [
         ("robot.limit_margin_deg=64", "from 0 to 63.99"),
         ("robot.limit_margin_deg=-1", "from 0 to 63.99"),
-        ("robot.joint_resolution_deg=131", "from 0 to 130.6"),
+        ("robot.joint_resolution_deg=16", "from 0 to 15"),
         ("robot.joint_resolution_mm=1", "prismatic"),
         ("selection.continuum_tolerance=0", "from 1e-6 to 10"),
     ] {

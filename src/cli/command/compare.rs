@@ -93,7 +93,8 @@ pub(crate) fn run(arguments: &CompareArguments, screen: &mut Screen) -> Result<(
     if stated.selection.leaves_grid() {
         let swept = refined_survey(&stated, &|_| {})?;
         for &count in counts.iter().filter(|&&count| count <= swept.views.len()) {
-            let BestOffGrid { survey, row } = best_off_grid(&stated, &swept, count)?;
+            // What is possible on the grid may not be at a distance from limits and from each other.
+            let Ok(BestOffGrid { survey, row }) = best_off_grid(&stated, &swept, count) else { continue };
             measured.push(measure(&stated, &survey, &row.choice, arguments.trials));
             comparison.rows.push(row);
         }

@@ -274,14 +274,19 @@ fn summary(
         let (choice, _) = median_choice(chooser, method, plan.count, plan.seed, BASELINE_SEEDS)?;
         Ok(short(choice.map_error))
     };
-    let compared = format!(
-        "{} k-means poses of {} views: map error {} px (clustered on joints), {} px (on camera positions{}).",
-        plan.count,
-        grouped(survey.views.len() - survey.off_grid),
-        clustered(Method::KMeansJoints)?,
-        clustered(Method::KMeansPositions)?,
-        if problem.constraints.allow_all() { "" } else { "; constraints aside" },
-    );
+    let swept = survey.views.len() - survey.off_grid;
+    let compared = if plan.count > swept {
+        String::new()
+    } else {
+        format!(
+            "{} k-means poses of {} views: map error {} px (clustered on joints), {} px (on camera positions{}).",
+            plan.count,
+            grouped(swept),
+            clustered(Method::KMeansJoints)?,
+            clustered(Method::KMeansPositions)?,
+            if problem.constraints.allow_all() { "" } else { "; constraints aside" },
+        )
+    };
     let tried = verified.map(|found| format!("{}\n", sentence(found))).unwrap_or_default();
     let unweighted = plan.unweighted.as_ref().map(|unweighted| {
         let map_error = short(unweighted.map_error_px);

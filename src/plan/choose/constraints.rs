@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use crate::feasibility::{View, told_in_image};
 use crate::figures::grouped;
-use crate::plan::survey::Survey;
+use crate::plan::survey::{Survey, spacings};
 use crate::problem::{JointRegion, PoseConstraints, Problem};
 use crate::robot::JointKind;
 use crate::selection::packed::unpack;
@@ -97,10 +97,22 @@ pub(crate) fn allows(problem: &Problem, others: &[&View], view: &View) -> bool {
     };
     (problem.axis == AxisRule::Any || view.axis_case(&problem.target) != AxisCase::Outside)
         && !constraints.keep_out.iter().any(|region| region.contains(&view.q))
+        && !is_at_forbidden(problem, view)
         && constraints.groups.iter().all(|g| !g.region.contains(&view.q) || within(&g.region) < g.most)
         && apart(&|view| angles(problem, view), constraints.joint_separation)
         && apart(&direction, chord(constraints.view_separation))
         && apart(&|view| picture(problem, view), constraints.polished_picture_separation())
+}
+
+/// Whether a view is within half a spacing of a swept configuration that is forbidden.
+fn is_at_forbidden(problem: &Problem, view: &View) -> bool {
+    let swept = problem.constraints.forbidden.iter().filter(|&&id| id < problem.space.len());
+    let near = |id: &usize| {
+        let forbidden = problem.space.configuration(*id);
+        let apart = view.q.iter().zip(&forbidden).zip(spacings(problem));
+        apart.map(|((a, b), spacing)| (a - b).abs() / spacing).fold(0.0, f64::max) < 0.5
+    };
+    swept.into_iter().any(near)
 }
 
 fn picture(problem: &Problem, view: &View) -> Vec<f64> {

@@ -13,8 +13,7 @@ const SPACINGS: f64 = 1.0;
 pub(crate) const PICKS: usize = 10;
 
 /// The survey of `problem`, and as many rounds of refinement as it asks for: exchange picks poses by the problem's criteria,
-/// and configurations around the picks that are views join the candidates. The certificate of a plan chosen from them holds
-/// over all of them. `observe` as in [`survey`](crate::plan::survey::survey).
+/// and configurations around the picks that are views join the candidates. `observe` as in [`survey`](crate::plan::survey::survey).
 ///
 /// # Errors
 /// When no candidate is left, or nothing can be picked.

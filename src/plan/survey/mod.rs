@@ -43,7 +43,7 @@ pub struct Survey {
     pub refined: usize,
     /// How many of the views are off the grid; they are the last.
     pub off_grid: usize,
-    /// Places of poses that were found to be good together, ascending; a choice of as many is no worse.
+    /// Places of poses that were found to be good together, ascending; the best choice of as many is no worse.
     pub good: Vec<usize>,
     /// The views' information on the estimated intrinsics, in the views' order.
     pub information: InformationSet,
@@ -225,7 +225,7 @@ impl Survey {
     pub(crate) fn only(&self, places: &[usize]) -> Self {
         let of_scenario = |scenario: &Scenario| Scenario {
             problem: scenario.problem.clone(),
-            information: scenario.information.only(places),
+            information: scenario.information.select(places),
             map_weight: scenario.map_weight.clone(),
         };
         Self {
@@ -236,7 +236,7 @@ impl Survey {
             refined: self.refined,
             off_grid: 0,
             good: vec![],
-            information: self.information.only(places),
+            information: self.information.select(places),
             map_weight: self.map_weight.clone(),
             scenarios: self.scenarios.iter().map(of_scenario).collect(),
         }

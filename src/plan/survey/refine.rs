@@ -6,7 +6,7 @@ use super::scenarios::certain;
 use super::{Survey, SurveyError};
 use crate::feasibility::{Checks, View};
 use crate::problem::Problem;
-use crate::robot::{Limits, Resolution};
+use crate::robot::{Joint, Limits, Resolution, Span};
 use crate::sweep::{AxisRule, HaltonSample, JointSpace};
 use crate::target::AxisCase;
 
@@ -86,7 +86,7 @@ impl Survey {
         let checks = problem.checks();
         let mut views: Vec<View> = Vec::new();
         for q in configurations {
-            let known = self.off_grid_views().iter().chain(&views).any(|view| view.q == *q);
+            let known = self.views.iter().chain(&views).any(|view| view.q == *q);
             if !known && let Some(view) = off_grid_view(problem, &checks, 0, q) {
                 views.push(view);
             }
@@ -138,7 +138,13 @@ impl Survey {
 
 /// The view from joint values that poses may have; `None` if they may not, or it is no view.
 fn off_grid_view(problem: &Problem, checks: &Checks, id: usize, q: &[f64]) -> Option<View> {
-    let settable = problem.robot.chain.joints.iter().zip(q).all(|(joint, &q)| joint.settable(q) == q);
+    let joints = problem.robot.chain.joints.iter().zip(problem.robot.spans());
+    let may_have = |((joint, span), &q): ((&Joint, Span), &f64)| {
+        let Limits { min, max } = joint.range();
+        let range = Limits { min: min.max(span.limits.min), max: max.min(span.limits.max) };
+        joint.resolution.nearest(q, &range) == q && joint.keeps_margin(q)
+    };
+    let settable = joints.zip(q).all(may_have);
     let view = if settable { checks.view(id, q).ok()? } else { return None };
     (problem.axis == AxisRule::Any || view.axis_case(&problem.target) != AxisCase::Outside).then_some(view)
 }

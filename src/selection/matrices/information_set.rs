@@ -213,12 +213,6 @@ impl InformationSet {
         sum
     }
 
-    /// Those of some candidates, in the order of their places.
-    pub(crate) fn only(&self, places: &[usize]) -> Self {
-        let table = places.iter().flat_map(|&i| self.packed(i)).copied().collect();
-        Self::from_packed_trusted(self.order, table)
-    }
-
     /// The mean of all matrices, packed.
     pub(crate) fn mean(&self) -> Vec<f64> {
         let mut sum = vec![0.0; packed_len(self.order)];

@@ -10,10 +10,14 @@ use crate::continuum::{Continuum, Setting};
 use crate::plan::document::{CertificateTerm, ContinuumDocument};
 use crate::problem::Problem;
 use crate::robot::Limits;
+use crate::sweep::AxisRule;
 
 /// Boxes that are bounded at most, for each that the plan says it took, and beside them: depth first takes other ones than best first.
 const BOXES: usize = 4;
 const MORE_BOXES: usize = 10_000;
+
+/// Rounding of joint values, rad or m.
+const SLACK: f64 = 1e-9;
 
 impl Evidence<'_> {
     /// What the continuum's certificate proves of `count` poses; log Φ of the plan is `value`.
@@ -36,6 +40,10 @@ impl Evidence<'_> {
         } = stated;
         same("the number of poses that are bounded at all joint values", stated_count, &count)?;
         same("the tolerance of the bound at all joint values", tolerance, &self.problem.selection.continuum.tolerance)?;
+        let asked = self.problem.selection.continuum.most_boxes;
+        if *boxes > asked.saturating_add(MORE_BOXES) {
+            return Err(other("the number of boxes of joint values", boxes, &format!("about {asked} at most")));
+        }
         if !ContinuumDocument::ENDS.contains(&end.as_str()) {
             return Err(other("the end of the bound at all joint values", end, &ContinuumDocument::ENDS.join(" or ")));
         }
@@ -47,9 +55,11 @@ impl Evidence<'_> {
         let found = (value - self.log_of(*stated_bound)).exp();
         number("the efficiency at all joint values", *efficiency, found, SAME + bound.uncertainty)?;
         // What takes longest comes last.
-        let most = BOXES * boxes + MORE_BOXES;
+        let most = BOXES.saturating_mul(*boxes).saturating_add(MORE_BOXES);
         let on_measured = self.on_measured(terms).ok_or(CertifyError::Continuum { score: *score, boxes: 0 })?;
-        let settings = self.set_ups.iter().map(|set_up| setting(set_up.problem));
+        // What is a view is asked of the axis in the set-up as stated alone.
+        let axes = std::iter::once(self.problem.axis).chain(std::iter::repeat(AxisRule::Any));
+        let settings = self.set_ups.iter().zip(axes).map(|(set_up, axis)| setting(set_up.problem, axis));
         let scored = settings.zip(on_measured.iter().map(Vec::as_slice)).collect();
         let continuum = Continuum::new(scored, ranges(self.problem));
         let held = continuum.map(|continuum| continuum.holds(*score, most)).ok().filter(|held| held.is_proven);
@@ -77,17 +87,17 @@ impl Evidence<'_> {
 }
 
 /// Where views are, in a set-up.
-fn setting(problem: &Problem) -> Setting<'_> {
-    let Problem { robot, target, visibility, axis, .. } = problem;
-    Setting { robot, target, measurement: problem.measurement(), visibility, axis: *axis }
+fn setting(problem: &Problem, axis: AxisRule) -> Setting<'_> {
+    let Problem { robot, target, visibility, .. } = problem;
+    Setting { robot, target, measurement: problem.measurement(), visibility, axis }
 }
 
 /// The joint values that poses may have; of joints that go round one turn.
 fn ranges(problem: &Problem) -> Vec<Limits> {
     let joints = problem.robot.chain.joints.iter().zip(problem.robot.spans());
     let range = joints.map(|(joint, span)| Limits {
-        min: span.limits.min.max(joint.limits.min + joint.limit_margin),
-        max: span.limits.max.min(joint.limits.max - joint.limit_margin),
+        min: span.limits.min.max(joint.limits.min + joint.limit_margin) - SLACK,
+        max: span.limits.max.min(joint.limits.max - joint.limit_margin) + SLACK,
     });
     range.collect()
 }

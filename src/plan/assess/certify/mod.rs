@@ -1,7 +1,8 @@
 //! A plan checked from its own numbers.
 //!
 //! Every field of the plan is proven, or recomputed and compared, or handed back as not checked. It uses none of the code that
-//! chose the poses and proved the bound, neither `selection` nor `plan::choose`: `evidence` and `rules` derive what the
+//! chose the poses and proved the bound, neither `selection` nor `plan::choose`; boxes of joint values alone are bounded by the same
+//! code, in another order: `evidence` and `rules` derive what the
 //! numbers mean from the problem's models and definitions once more.
 
 mod bound;
@@ -204,7 +205,7 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
             let bound = evidence.continuum(stated, count, value.log)?.log;
             Some([evidence.natural(bound), (value.log - bound).exp()])
         }
-        None if problem.selection.leaves_grid() => {
+        None if problem.selection.leaves_grid() && problem.selection.continuum.most_boxes > 0 => {
             unchecked.extend(Unchecked::all(&["certificate.continuum"], UNBOUNDED));
             None
         }

@@ -48,7 +48,7 @@ pub(super) fn columns(problem: &Problem, chooser: &Chooser, count: usize) -> Res
     let search = LocalSearch::new(problem, survey, objective);
     let swept = chooser.instance(count)?;
     let settings = RelaxationSettings { tolerance: 0.1 * TOLERANCE, ..RelaxationSettings::default() };
-    let start = chooser.choose(Method::Greedy, count, 0)?.selected;
+    let start = chooser.choose(Method::Exchange, count, 0)?.selected;
     let mut columns: Vec<Candidate> = start.iter().filter_map(|&i| search.candidate(&survey.views[i])).collect();
     let mut samples = 0;
     for _ in 0..ROUNDS {
@@ -58,10 +58,12 @@ pub(super) fn columns(problem: &Problem, chooser: &Chooser, count: usize) -> Res
         let Ok(instance) = objective.instance(1, Constraints::default()) else { break };
         let all: Vec<usize> = (0..columns.len()).collect();
         let Ok(relaxation) = relax(&instance, &all, &settings) else { break };
-        let weight =
-            |place: usize| relaxation.weights.iter().find(|(i, _)| *i == place).map_or(0.0, |&(_, weight)| weight);
-        let mut place = 0..;
-        columns.retain(|_| place.next().is_some_and(|place| weight(place) > LEAST_WEIGHT));
+        let mut weights = vec![0.0; columns.len()];
+        for &(place, weight) in &relaxation.weights {
+            weights[place] = weight;
+        }
+        let weighted = columns.into_iter().zip(weights).filter(|(_, weight)| *weight > LEAST_WEIGHT);
+        columns = weighted.map(|(column, _)| column).collect();
         let dual = instance.dual(&relaxation.certificate.y);
         let score = |information: &[f64]| dot(information, &dual);
         let level = columns.iter().map(|column| score(&column.information)).fold(0.0, f64::max);

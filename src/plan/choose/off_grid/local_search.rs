@@ -32,6 +32,8 @@ pub(crate) struct LocalSearch<'a> {
     objective: &'a Objective<'a>,
     /// The set-up as stated, and the scenarios.
     scenes: Vec<Scene<'a>>,
+    /// What joints may have: of several turns one, as the sweep.
+    ranges: Vec<Limits>,
 }
 
 /// A view and its matrices, term after term of the objective.
@@ -43,7 +45,7 @@ pub(crate) struct Candidate {
 
 impl<'a> LocalSearch<'a> {
     pub(crate) fn new(problem: &'a Problem, survey: &'a Survey, objective: &'a Objective<'a>) -> Self {
-        Self { problem, objective, scenes: survey.scenes(problem) }
+        Self { problem, objective, scenes: survey.scenes(problem), ranges: ranges(problem) }
     }
 
     /// A view of the survey; `None` if its corners do not fix what a criterion needs.
@@ -56,7 +58,9 @@ impl<'a> LocalSearch<'a> {
     /// none, or not allowed beside `others`.
     pub(crate) fn look(&self, id: usize, q: &[f64], others: &[&View]) -> Option<Candidate> {
         let joints = &self.problem.robot.chain.joints;
-        let q: Vec<f64> = joints.iter().zip(q).map(|(joint, &q)| joint.settable(q)).collect();
+        let within = q.iter().zip(&self.ranges).map(|(q, range)| q.max(range.min).min(range.max));
+        let told = within.zip(joints).zip(&self.ranges).map(|((q, joint), range)| joint.resolution.nearest(q, range));
+        let q: Vec<f64> = told.collect();
         let view = self.scenes[0].look(id, &q)?;
         if !allows(self.problem, others, &view) || !self.is_certain(&view) {
             return None;

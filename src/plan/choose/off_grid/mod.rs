@@ -67,7 +67,9 @@ pub(crate) fn leave_grid(problem: &Problem, mut survey: Survey) -> Result<Survey
         let Ok(certificate) = chooser.certificate(count) else { return Ok(survey) };
         let most = SHORTLIST.max(SHORTLIST_PER_POSE * count);
         let shortlist = chooser.highest(&certificate, count, most)?;
-        found(problem, shortlist, count)?
+        // The short list may leave less room than all views do.
+        let Ok(found) = found(problem, shortlist, count) else { return Ok(survey) };
+        found
     };
     survey.add_off_grid(problem, &columns)?;
     for set in sets {

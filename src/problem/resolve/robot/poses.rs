@@ -42,8 +42,16 @@ impl Check<'_, '_> {
             let range = |joint: &Joint| file_unit(kind, joint.limits.max - joint.limits.min);
             let ranges = joints.iter().zip(&meets_limits).filter(|(joint, meets)| joint.kind == kind && **meets);
             let narrowest = ranges.map(|(joint, _)| range(joint)).fold(360.0, f64::min);
-            let step =
-                resolution.given().map_or(RESOLUTION, |step| self.number(&step, Allowed::between(0.0, narrowest)));
+            // Two swept values must not become one.
+            let finest = match space {
+                JointSpace::Grid(grid) => {
+                    let steps = joints.iter().zip(grid.steps()).filter(|(joint, _)| joint.kind == kind);
+                    steps.map(|(_, step)| file_unit(kind, step)).fold(narrowest, f64::min)
+                }
+                JointSpace::Sample(_) => narrowest,
+            };
+            let step = resolution.given().map(|step| self.number(&step, Allowed::between(0.0, finest)));
+            let step = step.unwrap_or(RESOLUTION.min(finest));
             // Half the range would leave a single place.
             let allowed = Allowed::between(0.0, (490.0 * narrowest).floor() / 1e3);
             let margin = margin.given().map(|margin| self.number(&margin, allowed));
