@@ -446,8 +446,10 @@ fn the_score_of_a_point_is_its_own() {
             let Found::Bound { bound, .. } = continuum.examine(&Cell::new(&point)) else { panic!("{name}") };
             let score = scorer.score(q).unwrap();
             assert!(bound >= score, "{name}: {score} {bound}");
-            // Corners that are hidden count in the bound, and the packed information of many coefficients has fewer digits.
-            assert!(name == "in part" || bound < score * (1.0 + 1e-4), "{name}: {score} {bound}");
+            // Corners that are hidden count in the bound, and the allowance for the rounding of a Y that is all but singular, as of many
+            // coefficients, is felt.
+            let loose = if name == "rational" { 1e-3 } else { 1e-4 };
+            assert!(name == "in part" || bound < score * (1.0 + loose), "{name}: {score} {bound}");
         }
     }
 }
