@@ -162,7 +162,8 @@ fn corners_of_boards_with_markers_count_where_both_of_theirs_are_read() {
         let is_read = |marker: &Marker| {
             let Some(pixels) = marker.outline.iter().map(pixel).collect::<Option<Vec<_>>>() else { return false };
             let side = |i: usize| (pixels[i] - pixels[(i + 1) % 4]).norm();
-            pixels.iter().all(|pixel| problem.camera.contains(pixel, 0.0))
+            // OpenCV's `minDistanceToBorder`.
+            pixels.iter().all(|pixel| problem.camera.contains(pixel, 3.0))
                 && (0..4).all(|i| side(i) >= problem.visibility.min_marker)
                 && !is_hidden(&marker.outline)
                 && !is_hidden(&marker.inside)

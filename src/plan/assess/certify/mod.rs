@@ -20,9 +20,9 @@ pub use unchecked::Unchecked;
 
 use crate::feasibility::View;
 use crate::plan::document::{
-    AccuracyDocument, CertificateDocument, Certificates, Certified, CollisionDocument, Document, FewestDocument,
-    Header, NotChecked, Plan, PlannedPose, ProblemReference, RobustnessDocument, ScenarioDocument, SearchDocument,
-    SurveyCounts, TrialDocument, WorstLoss,
+    AccuracyDocument, CertificateDocument, Certificates, Certified, CollisionDocument, ContinuumDocument, Document,
+    FewestDocument, Header, NotChecked, Plan, PlannedPose, ProblemReference, RobustnessDocument, ScenarioDocument,
+    SearchDocument, SurveyCounts, TrialDocument, WorstLoss,
 };
 use crate::plan::survey::{Survey, Trial};
 use crate::problem::{Accuracy, Problem};
@@ -165,20 +165,10 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
     let tolerance = SAME + value.uncertainty + bound.uncertainty;
     match search {
         None => evidence.equal("the bound", *stated_bound, bound.log, tolerance)?,
-        Some(SearchDocument { end, nodes: _, open_views: _ }) => {
+        Some(search) => {
             unchecked.extend(Unchecked::all(&["search.nodes", "search.open_views"], EFFORT));
             unchecked.extend(Unchecked::all(&["bound", "efficiency", "search.end"], BY_SEARCH));
-            // Between the two lies what a search may claim; the most it may claim is that they are one.
-            let claimed = evidence.log_of(*stated_bound);
-            if !(claimed >= value.log - tolerance && claimed <= bound.log + tolerance) {
-                return Err(different("the bound", *stated_bound, evidence.natural(bound.log)));
-            }
-            if !SearchDocument::ENDS.contains(&end.as_str()) {
-                return Err(other("the end of the search", end, &SearchDocument::ENDS.join(" or ")));
-            }
-            if end == SearchDocument::OPTIMAL {
-                evidence.equal("the bound of a proven optimum", *stated_bound, value.log, tolerance)?;
-            }
+            evidence.searched(search, *stated_bound, [value.log, bound.log], tolerance)?;
         }
     }
     let efficiency = (value.log - evidence.log_of(*stated_bound)).exp();
@@ -198,19 +188,8 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
     }
     // What takes longest comes last.
     evidence.withstands(robust.as_ref(), problem, survey, &selected)?;
-    let bounded = match continuum {
-        Some(stated) => {
-            unchecked.extend(Unchecked::all(&["certificate.continuum.boxes", "certificate.continuum.end"], EFFORT));
-            let count = selected.len() - usize::from(fewest.is_some());
-            let bound = evidence.continuum(stated, count, value.log)?.log;
-            Some([evidence.natural(bound), (value.log - bound).exp()])
-        }
-        None if problem.selection.leaves_grid() && problem.selection.continuum.most_boxes > 0 => {
-            unchecked.extend(Unchecked::all(&["certificate.continuum"], UNBOUNDED));
-            None
-        }
-        None => None,
-    };
+    let count = selected.len() - usize::from(fewest.is_some());
+    let bounded = evidence.anywhere(continuum.as_ref(), count, value.log, &mut unchecked)?;
     Ok(Confirmed {
         views: survey.views.len(),
         value: evidence.natural(value.log),
@@ -241,6 +220,47 @@ impl Evidence<'_> {
     fn equal(&self, what: &str, stated: f64, found: f64, tolerance: f64) -> Result<(), CertifyError> {
         let is_same = (self.log_of(stated) - found).abs() <= tolerance;
         if is_same { Ok(()) } else { Err(different(what, stated, self.natural(found))) }
+    }
+
+    /// Checks the bound that a search claims, from log Φ of the poses and what the matrix proves: between the two lies what it may
+    /// claim, and the most it may claim is that they are one.
+    fn searched(
+        &self,
+        SearchDocument { end, nodes: _, open_views: _ }: &SearchDocument,
+        stated: f64,
+        [value, bound]: [f64; 2],
+        tolerance: f64,
+    ) -> Result<(), CertifyError> {
+        let claimed = self.log_of(stated);
+        if !(claimed >= value - tolerance && claimed <= bound + tolerance) {
+            return Err(different("the bound", stated, self.natural(bound)));
+        }
+        if !SearchDocument::ENDS.contains(&end.as_str()) {
+            return Err(other("the end of the search", end, &SearchDocument::ENDS.join(" or ")));
+        }
+        if end == SearchDocument::OPTIMAL {
+            self.equal("the bound of a proven optimum", stated, value, tolerance)?;
+        }
+        Ok(())
+    }
+
+    /// The bound over all joint values on `count` poses and the efficiency by it, from log Φ of the poses, if it is stated.
+    fn anywhere(
+        &self,
+        stated: Option<&ContinuumDocument>,
+        count: usize,
+        value: f64,
+        unchecked: &mut Vec<Unchecked>,
+    ) -> Result<Option<[f64; 2]>, CertifyError> {
+        if let Some(stated) = stated {
+            unchecked.extend(Unchecked::all(&["certificate.continuum.boxes", "certificate.continuum.end"], EFFORT));
+            let bound = self.continuum(stated, count, value)?.log;
+            return Ok(Some([self.natural(bound), (value - bound).exp()]));
+        }
+        if self.problem.selection.leaves_grid() && self.problem.selection.continuum.most_boxes > 0 {
+            unchecked.extend(Unchecked::all(&["certificate.continuum"], UNBOUNDED));
+        }
+        Ok(None)
     }
 
     /// Checks which pose is said to be missed most.

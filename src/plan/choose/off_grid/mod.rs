@@ -88,6 +88,12 @@ struct Found {
     sets: Vec<Vec<Vec<f64>>>,
 }
 
+/// Poses that were moved: log Φ and their joint values.
+struct Improved {
+    log_value: f64,
+    joints: Vec<Vec<f64>>,
+}
+
 /// What is found from a short list of swept views.
 fn found(problem: &Problem, mut shortlist: Survey, count: usize) -> Result<Found, PlanError> {
     let swept = shortlist.views.len();
@@ -95,12 +101,14 @@ fn found(problem: &Problem, mut shortlist: Survey, count: usize) -> Result<Found
     shortlist.add_off_grid(problem, &columns)?;
     let mut sets = Vec::new();
     match &problem.selection.goal {
-        Goal::Best { .. } => sets.extend(improved(problem, &mut shortlist, swept, count)?.map(|(_, set)| set)),
+        Goal::Best { .. } => sets.extend(improved(problem, &mut shortlist, swept, count)?.map(|best| best.joints)),
         Goal::Fewest { .. } => {
             let most = enough(&Chooser::new(problem, &shortlist)?, count).unwrap_or(0);
             for count in (1..=most).rev().take(1 + FEWER) {
-                let Some((log_value, set)) = improved(problem, &mut shortlist, swept, count)? else { break };
-                sets.push(set);
+                let Some(Improved { log_value, joints }) = improved(problem, &mut shortlist, swept, count)? else {
+                    break;
+                };
+                sets.push(joints);
                 if log_value < 0.0 {
                     break;
                 }
@@ -113,18 +121,13 @@ fn found(problem: &Problem, mut shortlist: Survey, count: usize) -> Result<Found
 /// Chooses `count` poses and moves them, as long as that gains, and adds where they end to the survey, whose first views are `swept`.
 /// Gives log Φ and the joint values of the best of them. Where poses end depends on where they begin, so the first choice is not
 /// the only one that is moved.
-fn improved(
-    problem: &Problem,
-    survey: &mut Survey,
-    swept: usize,
-    count: usize,
-) -> Result<Option<(f64, Vec<Vec<f64>>)>, PlanError> {
-    let mut best: Option<(f64, Vec<Vec<f64>>)> = None;
+fn improved(problem: &Problem, survey: &mut Survey, swept: usize, count: usize) -> Result<Option<Improved>, PlanError> {
+    let mut best: Option<Improved> = None;
     for round in 0..ROUNDS {
         let ends = {
             let chooser = Chooser::new(problem, survey)?;
             let Ok((choice, _)) = chooser.best(count, problem.selection.seed) else { break };
-            if best.as_ref().is_some_and(|(log_value, _)| choice.log_value < log_value + LEAST_GAIN) {
+            if best.as_ref().is_some_and(|best| choice.log_value < best.log_value + LEAST_GAIN) {
                 break;
             }
             let mut starts = if round == 0 { others(problem, &chooser, swept, count) } else { vec![] };
@@ -136,8 +139,8 @@ fn improved(
         for end in ends {
             let joints: Vec<Vec<f64>> = end.poses.views().map(|view| view.q.clone()).collect();
             survey.add_off_grid(problem, &joints)?;
-            if best.as_ref().is_none_or(|(log_value, _)| end.log_value > *log_value) {
-                best = Some((end.log_value, joints));
+            if best.as_ref().is_none_or(|best| end.log_value > best.log_value) {
+                best = Some(Improved { log_value: end.log_value, joints });
             }
         }
     }
