@@ -300,24 +300,24 @@ mod tests {
             (0..count).filter(|i| kept(i % of)).collect()
         };
         // The last column of squares has markers that end 95 mm from the middle, the last but one such that end at 55 mm; they must be
-        // 3 px inside, 1.5 mm.
+        // 3 px inside, which are 3 mm.
         let of = |x: f64| corners(Board::Charuco(charuco), &part, x);
-        assert_eq!(of(0.2229), Ok(columns(&|_| true, 4, 12)));
+        assert_eq!(of(0.2214), Ok(columns(&|_| true, 4, 12)));
         assert_eq!(
-            of(0.2231),
+            of(0.2216),
             Ok(columns(&|column| column < 3, 4, 12)),
             "the corners at 60 mm lost one of their markers"
         );
-        assert_eq!(of(0.2629), Ok(columns(&|column| column < 3, 4, 12)));
+        assert_eq!(of(0.2614), Ok(columns(&|column| column < 3, 4, 12)));
         assert_eq!(
-            of(0.2631),
+            of(0.2616),
             Ok(columns(&|column| column < 2, 4, 12)),
             "the corners at 20 mm are in sight all the same"
         );
         // Tags end at 70, 20 and −30 mm.
         let of = |x: f64| corners(Board::AprilGrid(grid), &part, x);
-        assert_eq!(of(0.2479), Ok(columns(&|_| true, 6, 24)));
-        assert_eq!(of(0.2481), Ok(columns(&|column| column < 4, 6, 24)));
+        assert_eq!(of(0.2464), Ok(columns(&|_| true, 6, 24)));
+        assert_eq!(of(0.2466), Ok(columns(&|column| column < 4, 6, 24)));
         assert_eq!(of(0.2996), Ok(columns(&|column| column < 2, 6, 24)));
         assert_eq!(of(0.3496), Err(Rejection::OutsideImage));
         // Markers are 30 px wide, tags 40 px.
@@ -327,7 +327,7 @@ mod tests {
         assert_eq!(corners(Board::AprilGrid(grid), &small(40.1), 0.0), Err(Rejection::CornerSpacing));
         // Where all are asked for, all markers must be read.
         let whole = VisibilityLimits { min_corners: None, ..part };
-        assert!(corners(Board::Charuco(charuco), &whole, 0.2229).is_ok());
-        assert_eq!(corners(Board::Charuco(charuco), &whole, 0.2231), Err(Rejection::OutsideImage));
+        assert!(corners(Board::Charuco(charuco), &whole, 0.2214).is_ok());
+        assert_eq!(corners(Board::Charuco(charuco), &whole, 0.2216), Err(Rejection::OutsideImage));
     }
 }

@@ -62,9 +62,9 @@ pub(crate) struct Robot {
     #[serde(default)]
     pub(crate) exceed_urdf_limits: Vec<String>,
     /// What the controller's revolute joint values are multiples of, in degrees; 0 for any values. Poses are rounded to it before
-    /// anything is computed of them. 0.01 when left out.
+    /// anything is computed of them. When left out, 0.01 where poses may leave the grid, and 0 where they may not.
     pub(crate) joint_resolution_deg: Option<f64>,
-    /// The same of prismatic joints, in mm; 0.01 when left out.
+    /// The same of prismatic joints, in mm.
     pub(crate) joint_resolution_mm: Option<f64>,
     /// Least distance of poses from the limits of revolute joints, in degrees; joints that go round have none. When left out, 0.5
     /// where poses may leave the grid, and 0 where they may not and for joints that are swept at their limits alone.

@@ -7,7 +7,7 @@ use crate::problem::text::{At, Optional, key};
 use crate::robot::{Joint, JointKind, Resolution, Robot};
 use crate::sweep::JointSpace;
 
-/// Degrees and mm: what controllers' panels show.
+/// Degrees and mm, where poses may leave the grid: what controllers' panels show.
 const RESOLUTION: f64 = 0.01;
 /// Degrees and mm, where poses may leave the grid, whose ends are the limits.
 const MARGIN: f64 = 0.5;
@@ -51,7 +51,7 @@ impl Check<'_, '_> {
                 JointSpace::Sample(_) => narrowest,
             };
             let step = resolution.given().map(|step| self.number(&step, Allowed::between(0.0, finest)));
-            let step = step.unwrap_or(RESOLUTION.min(finest));
+            let step = step.unwrap_or(if leave_grid { RESOLUTION.min(finest) } else { 0.0 });
             // Half the range would leave a single place.
             let allowed = Allowed::between(0.0, (490.0 * narrowest).floor() / 1e3);
             let margin = margin.given().map(|margin| self.number(&margin, allowed));
