@@ -101,7 +101,7 @@ impl Survey {
         Ok(())
     }
 
-    /// Adds the views off the grid that a plan was made from: as [`Survey::add_off_grid`], but each of the configurations must be one.
+    /// Adds the views off the grid that a plan was made from, in their order; each of the configurations must be one.
     ///
     /// # Errors
     /// The first of the configurations that is not.
