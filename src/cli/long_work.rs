@@ -28,11 +28,7 @@ pub(super) fn bounding<T>(
     interrupt::searching(true);
     let mut observe = |progress: &ContinuumProgress| {
         bar.set_position(progress.boxes as u64);
-        if start.elapsed() >= problem.selection.time_limit || interrupt::came() {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
+        while_time(problem, start)
     };
     let done = bound(&mut observe);
     interrupt::searching(false);
@@ -58,14 +54,19 @@ pub(super) fn searching<T>(
             100.0 * (progress.log_bound - progress.log_value).exp_m1(),
         ));
         bar.tick();
-        if start.elapsed() >= problem.selection.time_limit || interrupt::came() {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
+        while_time(problem, start)
     };
     let selected = select(&mut observe);
     interrupt::searching(false);
     bar.finish_and_clear();
     selected
+}
+
+/// Whether a search goes on that began at `start`.
+fn while_time(problem: &Problem, start: Instant) -> ControlFlow<()> {
+    if start.elapsed() >= problem.selection.time_limit || interrupt::came() {
+        ControlFlow::Break(())
+    } else {
+        ControlFlow::Continue(())
+    }
 }

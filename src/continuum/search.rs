@@ -1,44 +1,12 @@
 //! Branch and bound over boxes of joint values.
 
-use std::cmp::Ordering;
-use std::collections::BinaryHeap;
 use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
 use super::cell::{Cell, Found};
 use super::{Continuum, ContinuumEnd, ContinuumProgress, ContinuumSettings, Greatest, Held};
-
-/// A box in the queue.
-struct Node {
-    bound: f64,
-    /// Boxes in the order in which they were made, so that equal bounds are told apart.
-    number: usize,
-    cell: Cell,
-    /// The joint whose range is halved next.
-    widest: usize,
-}
-
-impl PartialEq for Node {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Node {}
-
-impl PartialOrd for Node {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Node {
-    /// The greatest bound first; of those without one the largest, which came first.
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.bound.total_cmp(&other.bound).then(other.number.cmp(&self.number))
-    }
-}
+use crate::selection::BestFirst;
 
 /// Boxes halved together: as many whatever the number of threads, so that the outcome is the same.
 const BATCH: usize = 64;
@@ -51,12 +19,12 @@ pub(super) fn greatest(
     observe: &mut dyn FnMut(&ContinuumProgress) -> ControlFlow<()>,
 ) -> Greatest {
     let mut found = known;
-    let mut queue = BinaryHeap::new();
-    queue.push(Node { bound: f64::INFINITY, number: 0, cell: continuum.whole(), widest: 0 });
-    let (mut boxes, mut number) = (1, 1);
+    // Boxes with the joint whose range is halved next; of those without a bound the largest come first.
+    let mut queue = BestFirst::new(f64::INFINITY, (continuum.whole(), 0));
+    let mut boxes = 1;
     let end = loop {
         let threshold = (1.0 + settings.tolerance) * found;
-        let bound = queue.peek().map_or(found, |node: &Node| node.bound.max(found));
+        let bound = queue.bound().map_or(found, |bound| bound.max(found));
         if bound <= threshold {
             break ContinuumEnd::Closed;
         }
@@ -67,8 +35,8 @@ pub(super) fn greatest(
             break ContinuumEnd::BoxLimit;
         }
         let mut halves = Vec::with_capacity(2 * BATCH);
-        while halves.len() < 2 * BATCH && queue.peek().is_some_and(|node| node.bound > threshold) {
-            let Some(Node { cell, widest, bound, .. }) = queue.pop() else { break };
+        while halves.len() < 2 * BATCH && queue.bound().is_some_and(|bound| bound > threshold) {
+            let Some((bound, (cell, widest))) = queue.pop() else { break };
             halves.extend(cell.halves(widest).map(|half| (half, bound)));
         }
         let results: Vec<_> = halves
@@ -92,11 +60,10 @@ pub(super) fn greatest(
             {
                 found = found.max(score);
             }
-            queue.push(Node { bound, number, cell, widest });
-            number += 1;
+            queue.push(bound, (cell, widest));
         }
     };
-    Greatest { bound: queue.peek().map_or(found, |node| node.bound.max(found)), found, boxes, end }
+    Greatest { bound: queue.bound().map_or(found, |bound| bound.max(found)), found, boxes, end }
 }
 
 /// Whether no box holds a view that scores more than `most`, depth first.

@@ -482,3 +482,59 @@ fn scores_are_below_their_models() {
         }
     }
 }
+
+/// Of a board that may be seen in part, where it is past the picture, and the zone does not say so.
+#[test]
+fn boxes_that_show_too_few_corners_are_empty() {
+    let problem = in_part();
+    let views = problem.views(40);
+    let y = random_y(&problem, &mut Xoshiro256PlusPlus::seed_from_u64(4), &views);
+    let setting = Setting { axis: AxisRule::Any, ..problem.setting() };
+    let continuum = Continuum::new(vec![(setting, &y)], problem.ranges()).unwrap();
+    let checks = problem.checks();
+    let mut past = 0;
+    for q in &views {
+        for turn in (5..60).map(|degrees| f64::from(degrees).to_radians()) {
+            let q = [q[0], q[1], q[2], q[3] + turn];
+            let found = continuum.examine(&Cell::new(&around(&q, [0.02; 4])));
+            if checks.view(0, &q).is_ok() {
+                assert_ne!(found, Found::Empty);
+            }
+            past += usize::from(found == Found::Empty);
+        }
+    }
+    // Most of them: the board leaves the picture within some forty degrees.
+    assert!(past > 20 * views.len(), "{past}");
+}
+
+/// A robust plan's score is the sum of its scenarios'; views are those of the first.
+#[test]
+fn scores_of_several_settings_add_up() {
+    let problem = servosila();
+    let mut moved = servosila();
+    moved.target.X_BT = Pose::translation(0.004, -0.003, 0.002) * moved.target.X_BT;
+    let views = problem.views(40);
+    let random = &mut Xoshiro256PlusPlus::seed_from_u64(4);
+    let ys = [random_y(&problem, random, &views), random_y(&problem, random, &views)];
+    let elsewhere = Setting { axis: AxisRule::Any, ..moved.setting() };
+    let settings = vec![(problem.setting(), &ys[0][..]), (elsewhere, &ys[1][..])];
+    let continuum = Continuum::new(settings, problem.ranges()).unwrap();
+    let scorers = [Scorer::new(&problem, &ys[0]), Scorer::new(&moved, &ys[1])];
+    let (mut seen_in_both, mut tightest) = (0, f64::INFINITY);
+    for q in &views {
+        let ranges = around(q, [0.1; 4]);
+        let Found::Bound { bound, .. } = continuum.examine(&Cell::new(&ranges)) else { panic!("{q:?}") };
+        for _ in 0..50 {
+            let q: Vec<f64> = ranges.iter().map(|limits| random.gen_range(limits.min..=limits.max)).collect();
+            let Some(score) = scorers[0].score(&q) else { continue };
+            // There the axis is not asked.
+            let there = scorers[1].checks.view(0, &q).ok();
+            let told = there.and_then(|view| scorers[1].measurement.information(&view.X_CT, &view.seen));
+            seen_in_both += usize::from(told.is_some());
+            let sum = score + told.map_or(0.0, |told| dot(&scorers[1].dual, &told));
+            assert!(bound >= sum, "{bound} {sum}");
+            tightest = tightest.min(bound / sum);
+        }
+    }
+    assert!(seen_in_both > 1000 && tightest < 1.05, "{seen_in_both} {tightest}");
+}

@@ -106,14 +106,7 @@ impl Joint {
 
     /// Whether a joint value is as far from the limits as poses keep.
     pub fn keeps_margin(&self, value: f64) -> bool {
-        let Limits { min, max } = self.range();
-        self.limit_margin == 0.0 || (min - SLACK..=max + SLACK).contains(&value)
-    }
-
-    /// The value next to `value` that the joint can be told, and poses may have.
-    pub fn settable(&self, value: f64) -> f64 {
-        let Limits { min, max } = self.range();
-        self.resolution.nearest(value.clamp(min, max.max(min)), &self.range())
+        self.limit_margin == 0.0 || self.range().holds(value)
     }
 }
 
@@ -157,6 +150,11 @@ impl Resolution {
 impl Limits {
     /// Half a turn either way: every direction of a joint without limits.
     pub const FULL_TURN: Self = Self { min: -std::f64::consts::PI, max: std::f64::consts::PI };
+
+    /// Whether the value is within the range, but for rounding.
+    pub fn holds(&self, value: f64) -> bool {
+        (self.min - SLACK..=self.max + SLACK).contains(&value)
+    }
 }
 
 #[cfg(test)]
@@ -194,7 +192,9 @@ mod tests {
             limit_margin: 0.5f64.to_radians(),
             ..Joint::free("elbow".into(), JointKind::Revolute, limits, None)
         };
-        assert_eq!(joint.settable(0.0), (-0.5f64).to_radians());
-        assert_eq!(joint.settable(-9.0), (-216.4f64).to_radians());
+        let settable = |value: f64| hundredths.nearest(value, &joint.range());
+        assert_eq!(settable(0.0), (-0.5f64).to_radians());
+        assert_eq!(settable(-9.0), (-216.4f64).to_radians());
+        assert!(joint.keeps_margin((-0.5f64).to_radians()) && !joint.keeps_margin((-0.49f64).to_radians()));
     }
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::{JointKind, Limits, Motion, Robot};
+use super::{Joint, JointKind, Limits, Motion, Robot};
 
 /// The values to sweep of a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,6 +44,15 @@ impl Robot {
         self.chain.joints.iter().map(|joint| joint.limits).enumerate().map(span).collect()
     }
 
+    /// What poses may have of each joint's range: of a joint that goes round one turn, of others the limits less their margin.
+    pub fn pose_ranges(&self) -> Vec<Limits> {
+        let range = |(joint, span): (&Joint, Span)| {
+            let Limits { min, max } = joint.range();
+            Limits { min: min.max(span.limits.min), max: max.min(span.limits.max) }
+        };
+        self.chain.joints.iter().zip(self.spans()).map(range).collect()
+    }
+
     /// Takes whole turns off joint values, so that joints that go round stay within the turn nearest to 0.
     pub fn unwind(&self, q: &mut [f64]) {
         for (q, (span, joint)) in q.iter_mut().zip(self.spans().iter().zip(&self.chain.joints)) {
@@ -81,6 +90,18 @@ mod tests {
         let chain = dh::chain(&rows, Convention::Standard, Pose::identity());
         let tree = dh::tree(&rows, Convention::Standard, Pose::identity());
         Robot { chain, tree, X_FC: Pose::identity(), board_link: 0, camera_link: 0, obstacles: Vec::new() }
+    }
+
+    #[test]
+    fn poses_keep_to_one_turn_and_to_the_margin() {
+        let ranges = |degrees| {
+            let mut robot = robot(JointKind::Revolute, degrees);
+            robot.chain.joints[0].limit_margin = 0.5f64.to_radians();
+            let Limits { min, max } = robot.pose_ranges()[0];
+            [min, max].map(|rad| (rad.to_degrees() * 1e6).round() / 1e6)
+        };
+        assert_eq!(ranges([-360.0, 360.0]), [-180.0, 180.0]);
+        assert_eq!(ranges([-90.0, 45.0]), [-89.5, 44.5]);
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! [`InformationFunction`] Φ, and a budget k.
 
 mod best;
+mod best_first;
 mod certificate;
 mod error;
 mod exchange;
@@ -17,6 +18,7 @@ mod search;
 
 pub(crate) use best::relax_from_greedy;
 pub use best::{Best, best};
+pub(crate) use best_first::BestFirst;
 pub use certificate::Certificate;
 pub use error::SelectionError;
 pub use exchange::{exchange, improved_greedy};

@@ -114,12 +114,13 @@ impl JointSpace {
         self
     }
 
-    /// Whether any value of a joint, by its index, lies within `limits`.
-    pub fn has_within(&self, joint: usize, limits: &Limits) -> bool {
+    /// Whether any value of a joint, by its index, lies within `limits` when told in steps of a resolution.
+    pub fn has_within(&self, joint: usize, limits: &Limits, resolution: Resolution) -> bool {
         match self {
             JointSpace::Grid(grid) => {
-                let Axis { min, step, count } = grid.joints[joint];
-                (0..count).any(|i| (limits.min..=limits.max).contains(&(min + i as f64 * step)))
+                let axis = grid.joints[joint];
+                let told = |i: usize| resolution.nearest(axis.min + i as f64 * axis.step, &axis.limits());
+                (0..axis.count).any(|i| limits.holds(told(i)))
             }
             JointSpace::Sample(sample) => {
                 let swept = &sample.limits[joint];

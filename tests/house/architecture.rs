@@ -44,6 +44,7 @@ const ROOMS: [(&str, &[&str]); 37] = [
             "influence",
             "relaxation",
             "best",
+            "best_first",
             "search",
         ],
     ),
@@ -153,7 +154,7 @@ const ROOMS: [(&str, &[&str]); 37] = [
         ],
     ),
     ("plan", &["survey", "choose", "document", "results", "assess"]),
-    ("plan::survey", &["contacts", "scenarios", "trial", "refine", "smell", "diagnosis"]),
+    ("plan::survey", &["contacts", "scenarios", "trial", "refine", "smell", "diagnosis", "continuum"]),
     (
         "plan::choose",
         &[

@@ -119,6 +119,38 @@ fn accuracies_need_fewer_poses_off_the_grid() {
     certify(&plan, &problem, &survey).unwrap();
 }
 
+/// A pose that failed on the robot does not come back a hundredth of a degree beside.
+#[test]
+fn no_pose_comes_near_a_forbidden_one() {
+    let mut problem = problem("servosila-engineer", &["sweep.step_deg=12"]);
+    let survey = plan_survey(&problem, &|_| {}).unwrap();
+    let near = |q: &[f64], other: &[f64]| q.iter().zip(other).all(|(a, b)| (a - b).abs() < 5.999f64.to_radians());
+    let swept = &survey.views[..survey.views.len() - survey.off_grid];
+    let poses = plan(&problem, &survey).poses;
+    let beside = swept.iter().filter(|view| poses.iter().any(|pose| near(&pose.joints_rad, &view.q)));
+    let forbidden: Vec<_> = beside.cloned().collect();
+    assert!(!forbidden.is_empty());
+    problem.constraints.forbidden = forbidden.iter().map(|view| view.id).collect();
+    let poses = plan(&problem, &plan_survey(&problem, &|_| {}).unwrap()).poses;
+    for pose in &poses {
+        assert!(!forbidden.iter().any(|view| near(&pose.joints_rad, &view.q)), "{:?}", pose.joints_deg);
+    }
+}
+
+/// What stays where it was swept is no second view.
+#[test]
+fn no_joint_values_are_two_views() {
+    let mut problem = problem("servosila-engineer", &["sweep.step_deg=15", "constraints.picture_separation_px=0"]);
+    let swept = refined_survey(&problem, &|_| {}).unwrap();
+    problem.constraints.required = vec![swept.views[swept.views.len() / 2].id];
+    let survey = plan_survey(&problem, &|_| {}).unwrap();
+    assert!(survey.off_grid > 5 && survey.good.len() == 10);
+    for (i, view) in survey.views.iter().enumerate() {
+        assert!(survey.views[..i].iter().all(|other| other.q != view.q), "{}", view.id);
+    }
+    assert!(plan(&problem, &survey).poses.iter().any(|pose| pose.id == problem.constraints.required[0]));
+}
+
 /// The baselines stay on the grid, whatever the file says.
 #[test]
 fn clusters_are_of_swept_poses() {

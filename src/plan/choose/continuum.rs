@@ -5,22 +5,16 @@ use std::ops::ControlFlow;
 use super::choice::Choice;
 use super::chooser::Chooser;
 use super::error::PlanError;
-use super::off_grid::{LocalSearch, ranges};
-use crate::continuum::{Continuum, ContinuumEnd, ContinuumProgress, Greatest, Setting};
-use crate::problem::Problem;
-use crate::robot::Limits;
+use super::off_grid::LocalSearch;
+use crate::continuum::{ContinuumEnd, ContinuumProgress, Greatest};
 use crate::selection::packed::dot;
 use crate::selection::{Certificate, Constraints, Gradient, RelaxationSettings, relax};
-use crate::sweep::AxisRule;
 
 /// Views of the greatest scores among which the matrices of the bound are sought, beside those off the grid.
 const COLUMNS: usize = 60;
 
 /// Gap of the relaxation on them.
 const GAP: f64 = 1e-6;
-
-/// Rounding of joint values, rad or m.
-const SLACK: f64 = 1e-9;
 
 /// Allowance for the rounding of the polar function, the logarithms and the sum.
 const ROUNDING: f64 = 1e-12;
@@ -42,12 +36,6 @@ pub struct ContinuumCertificate {
     pub boxes: usize,
     /// How that ended.
     pub end: ContinuumEnd,
-}
-
-/// Where views are sought in a set-up.
-fn setting(problem: &Problem, axis: AxisRule) -> Setting<'_> {
-    let Problem { robot, target, visibility, .. } = problem;
-    Setting { robot, target, measurement: problem.measurement(), visibility, axis }
 }
 
 impl Chooser<'_> {
@@ -95,13 +83,7 @@ impl Chooser<'_> {
         let gradient = Gradient { y, mixture };
 
         let Some(on_measured) = objective.on_measured(&gradient.y) else { return Ok(None) };
-        // What is a view is asked of the axis in the set-up as stated alone.
-        let drawn = survey.scenarios.iter().map(|scenario| setting(&scenario.problem, AxisRule::Any));
-        let set_ups = std::iter::once(setting(problem, problem.axis)).chain(drawn);
-        let scored = set_ups.zip(on_measured.iter().map(Vec::as_slice)).collect();
-        let wider = |Limits { min, max }| Limits { min: min - SLACK, max: max + SLACK };
-        let ranges = ranges(problem).into_iter().map(wider).collect();
-        let Ok(continuum) = Continuum::new(scored, ranges) else { return Ok(None) };
+        let Ok(continuum) = survey.continuum(problem, &on_measured) else { return Ok(None) };
         let dual = instance.dual(&gradient.y);
         let score = |q: &[f64]| search.look(0, q, &[]).map(|found| dot(&found.information, &dual));
         let known = instance.scores(&gradient.y).into_iter().fold(0.0, f64::max);

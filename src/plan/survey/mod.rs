@@ -1,6 +1,7 @@
 //! The survey: all that is known of the candidates before any is chosen.
 
 mod contacts;
+mod continuum;
 mod diagnosis;
 mod refine;
 mod scenarios;

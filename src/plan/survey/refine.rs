@@ -6,7 +6,7 @@ use super::scenarios::certain;
 use super::{Survey, SurveyError};
 use crate::feasibility::{Checks, View};
 use crate::problem::Problem;
-use crate::robot::{Joint, Limits, Resolution, Span};
+use crate::robot::{Limits, Resolution};
 use crate::sweep::{AxisRule, HaltonSample, JointSpace};
 use crate::target::AxisCase;
 
@@ -138,13 +138,9 @@ impl Survey {
 
 /// The view from joint values that poses may have; `None` if they may not, or it is no view.
 fn off_grid_view(problem: &Problem, checks: &Checks, id: usize, q: &[f64]) -> Option<View> {
-    let joints = problem.robot.chain.joints.iter().zip(problem.robot.spans());
-    let may_have = |((joint, span), &q): ((&Joint, Span), &f64)| {
-        let Limits { min, max } = joint.range();
-        let range = Limits { min: min.max(span.limits.min), max: max.min(span.limits.max) };
-        joint.resolution.nearest(q, &range) == q && joint.keeps_margin(q)
-    };
-    let settable = joints.zip(q).all(may_have);
+    let ranges = problem.robot.pose_ranges();
+    let mut joints = problem.robot.chain.joints.iter().zip(&ranges).zip(q);
+    let settable = joints.all(|((joint, range), &q)| joint.resolution.nearest(q, range) == q && range.holds(q));
     let view = if settable { checks.view(id, q).ok()? } else { return None };
     (problem.axis == AxisRule::Any || view.axis_case(&problem.target) != AxisCase::Outside).then_some(view)
 }

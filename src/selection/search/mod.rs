@@ -10,13 +10,12 @@ mod node;
 
 pub use fewest::{Fewest, NotEnough, Refutation, fewest};
 
-use std::cmp::Ordering;
-use std::collections::BinaryHeap;
 use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
 use super::best::{Best, ascending, best, first_allowed};
+use super::best_first::BestFirst;
 use super::error::SelectionError;
 use super::exchange::improved;
 use super::greedy;
@@ -81,28 +80,6 @@ struct Node {
     /// Weights of the open ones to start from.
     weights: Vec<f64>,
     log_bound: f64,
-    /// Number in the order of making, to break ties.
-    number: usize,
-}
-
-impl PartialEq for Node {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-
-impl Eq for Node {}
-
-impl PartialOrd for Node {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for Node {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.log_bound.total_cmp(&other.log_bound).then(other.number.cmp(&self.number))
-    }
 }
 
 /// The start of a search: [`best`]; where all that it tries is singular, a selection of log Φ = −∞ and the relaxation from more
@@ -194,16 +171,15 @@ fn searched(
     let ladder = Ladder::new(instance);
     let threshold = |incumbent: &(f64, Vec<usize>)| incumbent.0.max(least_wanted) + SAME;
     let mut nodes = 0;
-    let mut made = 0;
     let open_at_root = root.open.len();
-    let mut heap = BinaryHeap::from([root]);
+    let mut parts = BestFirst::new(root.log_bound, root);
     let end = loop {
-        while heap.peek().is_some_and(|node| node.log_bound <= threshold(&incumbent)) {
-            heap.pop();
+        while parts.bound().is_some_and(|log_bound| log_bound <= threshold(&incumbent)) {
+            parts.pop();
         }
-        let log_bound = heap.peek().map_or(incumbent.0, |node| node.log_bound).max(incumbent.0);
-        let progress = SearchProgress { nodes, open: heap.len(), log_value: incumbent.0, log_bound };
-        if heap.is_empty() {
+        let log_bound = parts.bound().unwrap_or(incumbent.0).max(incumbent.0);
+        let progress = SearchProgress { nodes, open: parts.len(), log_value: incumbent.0, log_bound };
+        if parts.bound().is_none() {
             break SearchEnd::Optimal;
         }
         if nodes >= node_limit {
@@ -212,7 +188,8 @@ fn searched(
         if observe(&progress).is_break() {
             break SearchEnd::Stopped;
         }
-        let batch: Vec<Node> = std::iter::from_fn(|| heap.pop()).take(BATCH.min(node_limit - nodes)).collect();
+        let best = std::iter::from_fn(|| parts.pop()).map(|(_, node)| node);
+        let batch: Vec<Node> = best.take(BATCH.min(node_limit - nodes)).collect();
         nodes += batch.len();
         let limit = threshold(&incumbent);
         let outcomes: Vec<Outcome> = batch.into_par_iter().map(|node| work(&ladder, node, limit)).collect();
@@ -220,14 +197,12 @@ fn searched(
             if let Some(found) = outcome.found.filter(|found| found.0 > incumbent.0) {
                 incumbent = found;
             }
-            for mut child in outcome.children {
-                made += 1;
-                child.number = made;
-                heap.push(child);
+            for child in outcome.children {
+                parts.push(child.log_bound, child);
             }
         }
     };
-    let open_bound = heap.peek().map_or(f64::NEG_INFINITY, |node| node.log_bound);
+    let open_bound = parts.bound().unwrap_or(f64::NEG_INFINITY);
     let (log_value, selected) = incumbent;
     // Everything pruned is at most as good as the threshold it was pruned by.
     let log_bound = open_bound.max(log_value.max(least_wanted) + SAME);
@@ -264,7 +239,7 @@ fn root(instance: &Instance, start: &Best, threshold: f64) -> Node {
     }
     let free = instance.count() - instance.required().len();
     let weights = filled(weights, &scores, free as f64);
-    Node { included: instance.required().to_vec(), open, weights, log_bound: certificate.log_bound, number: 0 }
+    Node { included: instance.required().to_vec(), open, weights, log_bound: certificate.log_bound }
 }
 
 /// Bounds a node, fixes what its scores allow, and branches on the rest.
@@ -354,7 +329,7 @@ fn branch(
         let places: Vec<usize> = (0..open.len()).filter(|&c| c != place && kept(open[c])).collect();
         let scores: Vec<f64> = places.iter().map(|&c| scores[c]).collect();
         let weights = filled(places.iter().map(|&c| weights[c]).collect(), &scores, left);
-        Node { included, open: places.iter().map(|&c| open[c]).collect(), weights, log_bound, number: 0 }
+        Node { included, open: places.iter().map(|&c| open[c]).collect(), weights, log_bound }
     };
     let rules = instance.rules();
     let beside = |j: usize| rules.is_free() || rules.allows(&with, None, j);

@@ -6,24 +6,19 @@ use super::error::CertifyError;
 use super::evidence::{Evidence, Rounded, Source};
 use super::function::ROUNDING;
 use super::{SAME, trusted};
-use crate::continuum::{Continuum, Setting};
 use crate::plan::document::{CertificateTerm, ContinuumDocument};
-use crate::problem::Problem;
-use crate::robot::Limits;
-use crate::sweep::AxisRule;
+use crate::plan::survey::Survey;
 
 /// Boxes that are bounded at most, for each that the plan says it took, and beside them: depth first takes other ones than best first.
 const BOXES: usize = 4;
 const MORE_BOXES: usize = 10_000;
-
-/// Rounding of joint values, rad or m.
-const SLACK: f64 = 1e-9;
 
 impl Evidence<'_> {
     /// What the continuum's certificate proves of `count` poses; log Φ of the plan is `value`.
     pub(super) fn continuum(
         &self,
         stated: &ContinuumDocument,
+        survey: &Survey,
         count: usize,
         value: f64,
     ) -> Result<Rounded, CertifyError> {
@@ -57,11 +52,7 @@ impl Evidence<'_> {
         // What takes longest comes last.
         let most = BOXES.saturating_mul(*boxes).saturating_add(MORE_BOXES);
         let on_measured = self.on_measured(terms).ok_or(CertifyError::Continuum { score: *score, boxes: 0 })?;
-        // What is a view is asked of the axis in the set-up as stated alone.
-        let axes = std::iter::once(self.problem.axis).chain(std::iter::repeat(AxisRule::Any));
-        let settings = self.set_ups.iter().zip(axes).map(|(set_up, axis)| setting(set_up.problem, axis));
-        let scored = settings.zip(on_measured.iter().map(Vec::as_slice)).collect();
-        let continuum = Continuum::new(scored, ranges(self.problem));
+        let continuum = survey.continuum(self.problem, &on_measured);
         let held = continuum.map(|continuum| continuum.holds(*score, most)).ok().filter(|held| held.is_proven);
         held.map_or(Err(CertifyError::Continuum { score: *score, boxes: most }), |_| Ok(bound))
     }
@@ -84,20 +75,4 @@ impl Evidence<'_> {
         }
         Some(scenarios)
     }
-}
-
-/// Where views are, in a set-up.
-fn setting(problem: &Problem, axis: AxisRule) -> Setting<'_> {
-    let Problem { robot, target, visibility, .. } = problem;
-    Setting { robot, target, measurement: problem.measurement(), visibility, axis }
-}
-
-/// The joint values that poses may have; of joints that go round one turn.
-fn ranges(problem: &Problem) -> Vec<Limits> {
-    let joints = problem.robot.chain.joints.iter().zip(problem.robot.spans());
-    let range = joints.map(|(joint, span)| Limits {
-        min: span.limits.min.max(joint.limits.min + joint.limit_margin) - SLACK,
-        max: span.limits.max.min(joint.limits.max - joint.limit_margin) + SLACK,
-    });
-    range.collect()
 }

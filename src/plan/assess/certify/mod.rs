@@ -189,7 +189,7 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
     // What takes longest comes last.
     evidence.withstands(robust.as_ref(), problem, survey, &selected)?;
     let count = selected.len() - usize::from(fewest.is_some());
-    let bounded = evidence.anywhere(continuum.as_ref(), count, value.log, &mut unchecked)?;
+    let bounded = evidence.anywhere(continuum.as_ref(), survey, count, value.log, &mut unchecked)?;
     Ok(Confirmed {
         views: survey.views.len(),
         value: evidence.natural(value.log),
@@ -248,13 +248,14 @@ impl Evidence<'_> {
     fn anywhere(
         &self,
         stated: Option<&ContinuumDocument>,
+        survey: &Survey,
         count: usize,
         value: f64,
         unchecked: &mut Vec<Unchecked>,
     ) -> Result<Option<[f64; 2]>, CertifyError> {
         if let Some(stated) = stated {
             unchecked.extend(Unchecked::all(&["certificate.continuum.boxes", "certificate.continuum.end"], EFFORT));
-            let bound = self.continuum(stated, count, value)?.log;
+            let bound = self.continuum(stated, survey, count, value)?.log;
             return Ok(Some([self.natural(bound), (value - bound).exp()]));
         }
         if self.problem.selection.leaves_grid() && self.problem.selection.continuum.most_boxes > 0 {

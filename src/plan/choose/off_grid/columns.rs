@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::local_search::{Candidate, LocalSearch, TRIES, ranges};
+use super::local_search::{Candidate, LocalSearch, TRIES};
 use crate::feasibility::View;
 use crate::plan::choose::chooser::Chooser;
 use crate::plan::choose::error::PlanError;
@@ -103,7 +103,7 @@ fn sampled(
     number: usize,
     promising: &(dyn Fn(&[f64]) -> bool + Sync),
 ) -> Vec<Candidate> {
-    let ranges = ranges(problem);
+    let ranges = problem.robot.pose_ranges();
     if ranges.len() > HaltonSample::MOST_JOINTS {
         return vec![];
     }

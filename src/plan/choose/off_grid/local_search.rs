@@ -9,7 +9,7 @@ use crate::plan::choose::constraints::allows;
 use crate::plan::choose::objective::Objective;
 use crate::plan::survey::{Scene, Survey};
 use crate::problem::Problem;
-use crate::robot::{Joint, Limits, Span};
+use crate::robot::Limits;
 use crate::sweep::JointSpace;
 
 /// Iterations of the simplex method per joint; restarts do more than patience.
@@ -32,7 +32,7 @@ pub(crate) struct LocalSearch<'a> {
     objective: &'a Objective<'a>,
     /// The set-up as stated, and the scenarios.
     scenes: Vec<Scene<'a>>,
-    /// What joints may have: of several turns one, as the sweep.
+    /// What poses may have of each joint.
     ranges: Vec<Limits>,
 }
 
@@ -45,7 +45,7 @@ pub(crate) struct Candidate {
 
 impl<'a> LocalSearch<'a> {
     pub(crate) fn new(problem: &'a Problem, survey: &'a Survey, objective: &'a Objective<'a>) -> Self {
-        Self { problem, objective, scenes: survey.scenes(problem), ranges: ranges(problem) }
+        Self { problem, objective, scenes: survey.scenes(problem), ranges: problem.robot.pose_ranges() }
     }
 
     /// A view of the survey; `None` if its corners do not fix what a criterion needs.
@@ -115,16 +115,6 @@ impl<'a> LocalSearch<'a> {
         let end = executor.run().ok()?.state.best_param?;
         self.look(start.id, end.as_slice(), others)
     }
-}
-
-/// What poses may have at each joint: its range, or one turn of it.
-pub(crate) fn ranges(problem: &Problem) -> Vec<Limits> {
-    let joints = problem.robot.chain.joints.iter();
-    let range = |(joint, span): (&Joint, Span)| {
-        let Limits { min, max } = joint.range();
-        Limits { min: min.max(span.limits.min), max: max.min(span.limits.max) }
-    };
-    joints.zip(problem.robot.spans()).map(range).collect()
 }
 
 /// The problem of placing one view beside others.

@@ -11,7 +11,7 @@ mod columns;
 mod local_search;
 mod poses;
 
-pub(crate) use local_search::{LocalSearch, ranges};
+pub(crate) use local_search::LocalSearch;
 pub use poses::PolishSettings;
 pub(crate) use poses::{Moved, Poses, moved};
 

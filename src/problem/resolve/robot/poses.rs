@@ -59,7 +59,7 @@ impl Check<'_, '_> {
                 joint.resolution = Resolution::new(kind, step);
                 if meets_limits[i] {
                     joint.limit_margin = kind.in_si(margin.unwrap_or(if leave_grid { MARGIN } else { 0.0 }));
-                    if margin.is_none() && !space.has_within(i, &joint.range()) {
+                    if margin.is_none() && !space.has_within(i, &joint.range(), joint.resolution) {
                         joint.limit_margin = 0.0;
                     }
                 }
