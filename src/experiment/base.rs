@@ -27,6 +27,11 @@ pub enum SettingFault {
     /// A key of the simulation refuses its value.
     #[error("{0}")]
     Simulation(String),
+    /// Poses would leave the sweep's views.
+    #[error(
+        "`selection.off_grid` is true; studies and designs are about the sweep's views: leave it out, and `calipose plan` what they find"
+    )]
+    OffGrid,
 }
 
 impl SettingFault {
@@ -69,7 +74,8 @@ impl Base {
     pub(super) fn problem<'s>(&self, settings: impl Iterator<Item = &'s String>) -> Result<Problem, SettingFault> {
         let on_grid = Overrides::new().set("selection.off_grid=false")?;
         let overrides = settings.cloned().try_fold(on_grid, |overrides, text| overrides.set(&text))?;
-        Ok(Problem::parse_with(&self.text, &self.path, &overrides)?)
+        let problem = Problem::parse_with(&self.text, &self.path, &overrides)?;
+        if problem.selection.off_grid { Err(SettingFault::OffGrid) } else { Ok(problem) }
     }
 
     /// What is wrong with a value that the problem refuses.
@@ -77,11 +83,11 @@ impl Base {
         let problem = self.path.clone();
         let first = match fault {
             SettingFault::Problem(error) => error.faults().first(),
-            SettingFault::Set(_) | SettingFault::Simulation(_) => None,
+            SettingFault::Set(_) | SettingFault::Simulation(_) | SettingFault::OffGrid => None,
         };
         let of_key = match (fault, first) {
             (_, Some(first)) => matches!(first.reason, Reason::UnknownKey { .. }),
-            (fault, None) => matches!(fault, SettingFault::Set(OverrideError::Key { .. })),
+            (fault, None) => matches!(fault, SettingFault::Set(OverrideError::Key { .. }) | SettingFault::OffGrid),
         };
         let (sentence, hint) = match first {
             Some(first) => (first.to_string(), first.hint()),

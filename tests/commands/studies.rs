@@ -406,6 +406,7 @@ fn what_is_wrong_with_a_study_is_told_under_its_line() {
         ("max_tilt_deg=60", "max_tilt_deg", "is not KEY=VALUE", "refused by"),
         ("coarse.toml", "none.toml", "No such file", "relative to the folder of this file"),
         ("sweep.step_deg=20", "sweep.step_deg=-20", "`set[0]`: `sweep.step_deg` is -20", "refused by"),
+        ("sweep.step_deg=20", "selection.off_grid=true", "`selection.off_grid` is true", "leave it out"),
         ("\"greedy\"", "\"gredy\"", "`choose.methods[1]` is \"gredy\"", "did you mean `greedy`"),
         ("\"greedy\"", "\"best\"", "`choose.methods[1]` is \"best\", which is used already", "once"),
         ("counts = [6, 9]", "counts = [0]", "`choose.counts[0]` is 0", "from 1 to"),

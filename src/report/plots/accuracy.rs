@@ -4,7 +4,7 @@ use crate::figures::short;
 use crate::plan::document::{BoundPoint, ErrorGrid, Plan, Review, Verification};
 use crate::report::figure::{Content, Figure, Hue, Interval, Line, Mark, Series};
 
-/// The map error against the number of poses, with what no choice can be below.
+/// The map error against the number of poses, with what no choice of the views can be below.
 pub(super) fn by_count(review: &Review) -> Figure {
     let line = |name: &str, hue, mark, points: Vec<(f64, f64)>| Series {
         name: name.into(),
@@ -23,14 +23,14 @@ pub(super) fn by_count(review: &Review) -> Figure {
     let bound = points(|point| point.bound_px);
     let proven = !bound.is_empty();
     if proven {
-        series.push(line("no choice can be below", Hue::Bound, Mark::Line(Line::Dashed), bound));
+        series.push(line("no choice of these views can be below", Hue::Bound, Mark::Line(Line::Dashed), bound));
     }
     series.push(line("this plan", Hue::Plan, Mark::Discs, here));
     Figure {
         name: "error-by-poses".into(),
         title: "What more poses bring".into(),
         caption: if proven {
-            "The dashed line is proven: no choice of so many views has a smaller map error.".into()
+            "The dashed line is proven: no choice of so many of the views that the poses were chosen from has a smaller map error.".into()
         } else {
             String::from(
                 "Good choices of fewer and more poses; the plan optimises something else, so nothing is proven of this error.",
