@@ -36,9 +36,12 @@ fn small() -> Desk {
     desk
 }
 
+/// Names of temporary files in a folder; none while the folder is not there, which the run being watched makes and takes away.
 fn hidden(desk: &Desk, folder: &str) -> Vec<String> {
-    let mut names = if desk.path(folder).exists() { desk.files(folder) } else { Vec::new() };
-    names.retain(|name| name.starts_with('.'));
+    let Ok(entries) = std::fs::read_dir(desk.path(folder)) else { return Vec::new() };
+    let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    let mut names: Vec<_> = names.filter(|name| name.starts_with('.')).collect();
+    names.sort();
     names
 }
 

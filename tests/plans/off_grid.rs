@@ -125,15 +125,15 @@ fn no_pose_comes_near_a_forbidden_one() {
     let mut problem = problem("servosila-engineer", &["sweep.step_deg=12"]);
     let survey = plan_survey(&problem, &|_| {}).unwrap();
     let near = |q: &[f64], other: &[f64]| q.iter().zip(other).all(|(a, b)| (a - b).abs() < 5.999f64.to_radians());
-    let swept = &survey.views[..survey.views.len() - survey.off_grid];
     let poses = plan(&problem, &survey).poses;
-    let beside = swept.iter().filter(|view| poses.iter().any(|pose| near(&pose.joints_rad, &view.q)));
-    let forbidden: Vec<_> = beside.cloned().collect();
-    assert!(!forbidden.is_empty());
-    problem.constraints.forbidden = forbidden.iter().map(|view| view.id).collect();
+    let is_near = |id: &usize| poses.iter().any(|pose| near(&pose.joints_rad, &problem.space.configuration(*id)));
+    let forbidden: Vec<usize> = (0..problem.space.len()).filter(is_near).collect();
+    assert!(forbidden.len() > 5, "{}", forbidden.len());
+    problem.constraints.forbidden.clone_from(&forbidden);
     let poses = plan(&problem, &plan_survey(&problem, &|_| {}).unwrap()).poses;
     for pose in &poses {
-        assert!(!forbidden.iter().any(|view| near(&pose.joints_rad, &view.q)), "{:?}", pose.joints_deg);
+        let beside = |id: &usize| near(&pose.joints_rad, &problem.space.configuration(*id));
+        assert!(!forbidden.iter().any(beside), "{:?}", pose.joints_deg);
     }
 }
 
