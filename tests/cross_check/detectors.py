@@ -72,6 +72,7 @@ window_px = {window}
 
 [selection]
 count = {count}
+off_grid = false
 """
 
 
