@@ -47,14 +47,14 @@ impl View {
 
     /// The board in the picture: the directions of its four outer corners, each times half the focal length, 12 numbers in px. Of two
     /// views they are as far apart as the corners' images, in the root mean square over the corners, as long as that is little.
-    pub fn picture(&self, camera: &Camera, board: &Board) -> Vec<f64> {
+    pub fn picture(&self, camera: &Camera, board: &Board) -> [f64; 12] {
         let (width, height) = board.printed_size();
         let half_focal = 0.25 * (camera.intrinsics()[0] + camera.intrinsics()[1]);
         let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| {
             let corner = self.X_CT * Point3::new(0.5 * x * width, 0.5 * y * height, 0.0);
             corner.coords.normalize() * half_focal
         });
-        corners.iter().flat_map(|corner| corner.iter().copied()).collect()
+        std::array::from_fn(|i| corners[i / 3][i % 3])
     }
 
     /// Where the optical axis meets the target's plane.

@@ -11,6 +11,9 @@ use super::greedy::start;
 use super::instance::{Instance, Part};
 use super::relaxation::{Relaxation, RelaxationSettings, relax};
 
+/// Candidates from twice as many of which on greedy picks among so many: the relaxation begins there, and moves on.
+const PICKED_AMONG: usize = 50_000;
+
 /// Random roundings tried beside the k largest weights, of functions without and with kinks, on which exchange takes longer.
 const ROUNDINGS: usize = 16;
 const ROUNDINGS_AT_KINKS: usize = 6;
@@ -62,6 +65,24 @@ impl Best {
 /// As [`improved_greedy`].
 pub fn best(instance: &Instance, settings: &RelaxationSettings, seed: u64) -> Result<Best, SelectionError> {
     let (picked, relaxation) = relax_from_greedy(instance, settings)?;
+    Ok(best_from(instance, picked, relaxation, seed))
+}
+
+/// As [`best`], from candidates known to be a good selection instead of greedy's picks; it is no worse.
+///
+/// # Errors
+/// As [`relax`].
+pub(crate) fn best_from_known(
+    instance: &Instance,
+    settings: &RelaxationSettings,
+    seed: u64,
+    known: &[usize],
+) -> Result<Best, SelectionError> {
+    let relaxation = relax(instance, known, settings)?;
+    Ok(best_from(instance, known.to_vec(), relaxation, seed))
+}
+
+fn best_from(instance: &Instance, picked: Vec<usize>, relaxation: Relaxation, seed: u64) -> Best {
     let starts = starts(instance, picked, &relaxation, seed);
     let incumbent = improved_within(instance, &starts, &relaxation);
     // A selection that beats the incumbent holds none but these, so that exchange needs to look at no others.
@@ -93,7 +114,7 @@ pub fn best(instance: &Instance, settings: &RelaxationSettings, seed: u64) -> Re
             best.log_value = log_value;
         }
     }
-    Ok(best)
+    best
 }
 
 /// Iterated local search around the best selection (Lourenço, Martin and Stützle 2003), among the candidates of the best scores:
@@ -103,7 +124,7 @@ fn kicked(instance: &Instance, best: &Best, mut scored: Vec<(usize, f64)>, seed:
     scored.sort_unstable_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
     let weighted = best.relaxation.weights.iter().map(|&(i, _)| i);
     let scored = scored[..most].iter().map(|&(i, _)| i);
-    let part = Part::new(instance, ascending(scored.chain(weighted).chain(best.selected.iter().copied())));
+    let part = Part::new(instance, scored.chain(weighted).chain(best.selected.iter().copied()));
     let of_part = part.instance();
     let mut rng = Xoshiro256Plus::seed_from_u64(seed);
     let mut selected = part.places(&best.selected);
@@ -140,10 +161,25 @@ pub(crate) fn relax_from_greedy(
     instance: &Instance,
     settings: &RelaxationSettings,
 ) -> Result<(Vec<usize>, Relaxation), SelectionError> {
-    let picked = start(instance)?;
-    let picked = if instance.is_singular(&picked) { improved_greedy(instance)? } else { picked };
+    let picked = picked(instance)?;
     let relaxation = relax(instance, &picked, settings)?;
     Ok((picked, relaxation))
+}
+
+/// Greedy's picks, among an even sample where there are many, improved where they are singular.
+fn picked(instance: &Instance) -> Result<Vec<usize>, SelectionError> {
+    if instance.len() > 2 * PICKED_AMONG {
+        let part = Part::new(instance, (0..instance.len()).step_by(instance.len() / PICKED_AMONG));
+        let of_part = part.instance();
+        // Where the sample does not do, all may.
+        if let Ok(picked) = start(&of_part)
+            && !of_part.is_singular(&picked)
+        {
+            return Ok(part.members(&picked));
+        }
+    }
+    let picked = start(instance)?;
+    if instance.is_singular(&picked) { improved_greedy(instance) } else { Ok(picked) }
 }
 
 /// Greedy's picks and roundings of the relaxation, each once.
@@ -165,7 +201,7 @@ fn starts(instance: &Instance, picked: Vec<usize>, relaxation: &Relaxation, seed
 fn improved_within(instance: &Instance, starts: &[Vec<usize>], relaxation: &Relaxation) -> Vec<usize> {
     let starts = &starts[..starts.len().min(2)];
     let weighted = relaxation.weights.iter().map(|&(i, _)| i);
-    let part = Part::new(instance, ascending(weighted.chain(starts.iter().flatten().copied())));
+    let part = Part::new(instance, weighted.chain(starts.iter().flatten().copied()));
     let of_part = part.instance();
     let value = |selected: &Vec<usize>| of_part.log_value_at(&of_part.total(selected));
     let improved = starts.iter().map(|start| improved(&of_part, part.places(start)));

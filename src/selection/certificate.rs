@@ -74,7 +74,7 @@ impl Certificate {
         // Rounding of the scores that count: the terms may cancel, and so may the prices.
         let terms = counted.iter().flat_map(|&i| instance.products(&dual, i).map(f64::abs));
         let paid = prices.iter().map(|&(c, price)| {
-            let times = counted.iter().filter(|&&i| rules.caps_of(i).contains(&c)).count();
+            let times = counted.iter().filter(|&&i| rules.caps_of(i).any(|cap| cap == c)).count();
             price * (times + rules.caps[c].most) as f64
         });
         let operations = dual.len() + prices.len() + counted.len();

@@ -92,12 +92,14 @@ pub enum SelectionError {
     },
     /// The points of a separation do not fit the candidates.
     #[error(
-        "a separation needs one point of finite coordinates for each of the {candidates} candidates and a distance of at \
-             least 0; it has {points} points"
+        "a separation needs {dimension} finite coordinates for each of the {candidates} candidates and a distance of at \
+             least 0; it has {coordinates} coordinates"
     )]
     Separation {
-        /// Number of points.
-        points: usize,
+        /// Number of coordinates of all points.
+        coordinates: usize,
+        /// Coordinates of a point.
+        dimension: usize,
         /// Number of candidates.
         candidates: usize,
     },

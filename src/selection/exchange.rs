@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::error::SelectionError;
 use super::greedy::{EVALUATED_PER_TASK, highest, start};
-use super::instance::Instance;
+use super::instance::{Instance, Part};
 
 /// Least gain in log Φ that counts as one.
 const LEAST_GAIN: f64 = 1e-12;
@@ -36,6 +36,26 @@ pub fn improved_greedy(instance: &Instance) -> Result<Vec<usize>, SelectionError
         return Err(instance.unobservable(&improved));
     }
     Ok(improved)
+}
+
+/// As [`improved_greedy`], of those candidates alone that score most by `y`, `most` at most, and of the required ones.
+///
+/// # Errors
+/// As [`improved_greedy`].
+pub(crate) fn improved_greedy_of_highest(
+    instance: &Instance,
+    y: &[f64],
+    most: usize,
+) -> Result<Vec<usize>, SelectionError> {
+    if instance.len() <= most {
+        return improved_greedy(instance);
+    }
+    let part = Part::new(instance, highest(&instance.scores(y), |i| instance.is_open(i), most));
+    match improved_greedy(&part.instance()) {
+        Ok(found) => Ok(part.members(&found)),
+        // Where so few do not do, all may.
+        Err(_) => improved_greedy(instance),
+    }
 }
 
 /// Improves a selection by the best swap of one selected for one other candidate until no swap gains; returns it in

@@ -159,7 +159,7 @@ mod tests {
                 constraints.required = vec![0];
                 constraints.forbidden = vec![7, 8];
                 constraints.caps = vec![Cap { members: (0..30).collect(), most: 2 }];
-                constraints.separations = vec![Separation { points, least: 0.4 }];
+                constraints.separations = vec![Separation::of(&points, 0.4)];
             }
             let count = if round % 5 == 0 { p } else { k };
             let term = Term { candidates: &candidates, prior: None, function, share: 1.0 };

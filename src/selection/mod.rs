@@ -16,11 +16,12 @@ mod matrices;
 mod relaxation;
 mod search;
 
-pub(crate) use best::relax_from_greedy;
 pub use best::{Best, best};
+pub(crate) use best::{best_from_known, relax_from_greedy};
 pub(crate) use best_first::BestFirst;
 pub use certificate::Certificate;
 pub use error::SelectionError;
+pub(crate) use exchange::improved_greedy_of_highest;
 pub use exchange::{exchange, improved_greedy};
 pub use function::{Gradient, InformationFunction};
 pub use greedy::greedy;

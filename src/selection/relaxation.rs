@@ -248,12 +248,12 @@ impl<'a> Master<'a> {
         let rules = self.instance.rules();
         let mut rows: std::collections::BTreeMap<usize, Vec<usize>> = std::collections::BTreeMap::new();
         for (place, &i) in self.columns.iter().enumerate() {
-            for &c in rules.caps_of(i) {
+            for c in rules.caps_of(i) {
                 rows.entry(c).or_default().push(place);
             }
         }
         let row = |(cap, places): (usize, Vec<usize>)| {
-            let required = rules.required.iter().filter(|&&i| rules.caps_of(i).contains(&cap)).count();
+            let required = rules.required.iter().filter(|&&i| rules.caps_of(i).any(|c| c == cap)).count();
             CapRow { cap, places, most: (rules.caps[cap].most - required) as f64 }
         };
         rows.into_iter().map(row).filter(|row| row.places.len() as f64 > row.most).collect()

@@ -110,7 +110,7 @@ fn constraints(rng: &mut impl Rng, n: usize, keeps: &[usize]) -> Constraints {
     let distance = |i: usize, j: usize| (points[i][0] - points[j][0]).hypot(points[i][1] - points[j][1]);
     let pairs = keeps.iter().flat_map(|&i| keeps.iter().map(move |&j| (i, j))).filter(|(i, j)| i < j);
     let least = pairs.map(|(i, j)| distance(i, j)).fold(0.7, f64::min) * 0.999; // off the boundary, where the last digit decides
-    Constraints { required, forbidden, caps, separations: vec![Separation { points, least }] }
+    Constraints { required, forbidden, caps, separations: vec![Separation::of(&points, least)] }
 }
 
 impl Case {
@@ -200,7 +200,8 @@ impl Case {
     fn allows(&self, selected: &[usize]) -> bool {
         let Constraints { required, forbidden, caps, separations } = &self.constraints;
         let apart = |s: &Separation, i: usize, j: usize| {
-            (s.points[i][0] - s.points[j][0]).powi(2) + (s.points[i][1] - s.points[j][1]).powi(2) >= s.least.powi(2)
+            let squared = |axis: usize| (s.points[2 * i + axis] - s.points[2 * j + axis]).powi(2);
+            squared(0) + squared(1) >= s.least.powi(2)
         };
         required.iter().all(|i| selected.contains(i))
             && !selected.iter().any(|i| forbidden.contains(i))
@@ -723,7 +724,7 @@ fn constraints_that_contradict_themselves_are_refused() {
     let required = |required: &[usize]| Constraints { required: required.to_vec(), ..Default::default() };
     let cap = |members: &[usize], most: usize| vec![Cap { members: members.to_vec(), most }];
     let apart =
-        |least: f64, points: &[f64]| vec![Separation { points: points.iter().map(|&x| vec![x]).collect(), least }];
+        |least: f64, points: &[f64]| vec![Separation::of(&points.iter().map(|&x| [x]).collect::<Vec<_>>(), least)];
     let line = [0.0, 1.0, 2.0, 3.0];
 
     // As much as is allowed; of equal ones the first.
@@ -770,12 +771,12 @@ fn constraints_that_contradict_themselves_are_refused() {
     assert!(instance(2, Constraints::default()).unwrap().with_count(0).is_err());
     for (points, least) in [(&line[..3], 1.0), (&[0.0, 1.0, 2.0, f64::NAN], 1.0), (&line, -1.0), (&line, f64::NAN)] {
         let refused = refused(1, Constraints { separations: apart(least, points), ..Default::default() });
-        assert_eq!(refused, SelectionError::Separation { points: points.len(), candidates: 4 });
+        assert_eq!(refused, SelectionError::Separation { coordinates: points.len(), dimension: 1, candidates: 4 });
     }
     let mut uneven = apart(1.0, &line);
-    uneven[0].points[2] = vec![0.0, 0.0];
+    uneven[0].dimension = 2;
     let refused = refused(1, Constraints { separations: uneven, ..Default::default() });
-    assert_eq!(refused, SelectionError::Separation { points: 4, candidates: 4 });
+    assert_eq!(refused, SelectionError::Separation { coordinates: 4, dimension: 2, candidates: 4 });
     for shares in [&[0.5, 0.6], &[1.5, -0.5]] {
         let terms = shares.map(|share| Term { share, ..term });
         let refused = Instance::constrained(&terms, 1, Constraints::default()).unwrap_err();

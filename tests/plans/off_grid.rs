@@ -25,8 +25,8 @@ fn plan(problem: &Problem, survey: &Survey) -> Plan {
 /// The directions of the outer corners of two pictures, at half the focal length, in the root sum of squares.
 fn least_distance(problem: &Problem, survey: &Survey, plan: &Plan) -> f64 {
     let views = plan.poses.iter().map(|pose| &survey.views[survey.index_of(pose.id).unwrap()]);
-    let pictures: Vec<Vec<f64>> = views.map(|view| view.picture(&problem.camera, &problem.target.board)).collect();
-    let distance = |a: &Vec<f64>, b: &Vec<f64>| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+    let pictures: Vec<[f64; 12]> = views.map(|view| view.picture(&problem.camera, &problem.target.board)).collect();
+    let distance = |a: &[f64; 12], b: &[f64; 12]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
     let pairs = pictures.iter().enumerate().flat_map(|(i, a)| pictures[..i].iter().map(move |b| distance(a, b)));
     pairs.fold(f64::INFINITY, f64::min)
 }

@@ -3,6 +3,7 @@
 //! ```text
 //! cargo run --release --example optimal_design            # the table of docs/src/validation.md
 //! cargo run --release --example optimal_design -- 1000000 # one instance of so many candidates, timed
+//! cargo run --release --example optimal_design -- published # classes of which exact times are published
 //! ```
 
 #![allow(non_snake_case, clippy::print_stdout, clippy::expect_used, reason = "an example that prints")]
@@ -23,6 +24,9 @@ const P: usize = 9;
 
 /// Time that a search for the proven best set may take.
 const PATIENCE: Duration = Duration::from_mins(1);
+
+/// Published classes: instances of each.
+const SEEDS: u64 = 5;
 
 /// How a candidate's matrix is drawn.
 #[derive(Debug, Clone, Copy)]
@@ -108,9 +112,73 @@ fn time(n: usize) {
     );
 }
 
+/// How the rows of a class of published instances are drawn.
+#[derive(Debug, Clone, Copy)]
+enum Rows {
+    /// Entries uniform in [0, 1].
+    Independent,
+    /// Normal with the covariance `BᵀB`, entries of B uniform in [0, 1].
+    Correlated,
+}
+
+/// `a aᵀ` of m rows a of length p.
+fn of_rows(rows: Rows, m: usize, p: usize, seed: u64) -> InformationSet {
+    let mut rng = Xoshiro256Plus::seed_from_u64(seed);
+    let B = DMatrix::from_fn(p, p, |_, _| rng.gen_range(0.0..1.0));
+    let matrices: Vec<DMatrix<f64>> = (0..m)
+        .map(|_| {
+            let row = match rows {
+                Rows::Independent => DMatrix::from_fn(p, 1, |_, _| rng.gen_range(0.0..1.0)),
+                Rows::Correlated => B.transpose() * DMatrix::from_fn(p, 1, |_, _| rng.sample::<f64, _>(StandardNormal)),
+            };
+            &row * row.transpose()
+        })
+        .collect();
+    InformationSet::from_matrices(p, &matrices).expect("a aᵀ is semidefinite")
+}
+
+/// Instances of the classes of which exact times are published: m candidates of rank one, m/10 parameters, of which 1.5 times as many
+/// candidates are chosen, here each at most once.
+fn published() {
+    let m = 120;
+    let (p, k) = (m / 10, m * 3 / 20);
+    println!("| rows | criterion | proven optimal | s | efficiency before the search | after |");
+    println!("|---|---|---|---|---|---|");
+    for rows in [Rows::Independent, Rows::Correlated] {
+        let a = InformationFunction::variance(&DMatrix::identity(p, p));
+        for (criterion, function) in [("d", InformationFunction::Determinant), ("a", a)] {
+            let (mut proven, mut seconds, mut before, mut after) = (0, vec![], 1f64, 1f64);
+            for seed in 0..SEEDS {
+                let candidates = of_rows(rows, m, p, seed);
+                let instance = Instance::new(&candidates, None, &function, k).expect("a regular instance");
+                let began = Instant::now();
+                let start = best(&instance, &RelaxationSettings::default(), 0).expect("regular sets");
+                let found = search(&instance, &start, f64::NEG_INFINITY, usize::MAX, &mut |_| {
+                    if began.elapsed() > PATIENCE { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+                })
+                .expect("a start of the instance");
+                seconds.push(began.elapsed().as_secs_f64());
+                proven += u64::from(found.end == SearchEnd::Optimal);
+                before = before.min(start.relaxation.certificate.efficiency(start.log_value));
+                after = after.min((found.log_value - found.log_bound).exp());
+            }
+            seconds.sort_by(f64::total_cmp);
+            println!(
+                "| {rows:?} | {criterion} | {proven} of {SEEDS} | {:.1}–{:.1} | {before:.4} | {after:.4} |",
+                seconds[0],
+                seconds[seconds.len() - 1]
+            );
+        }
+    }
+}
+
 fn main() {
-    if let Some(n) = std::env::args().nth(1) {
-        return time(n.parse().expect("a number of candidates"));
+    if let Some(argument) = std::env::args().nth(1) {
+        match argument.as_str() {
+            "published" => published(),
+            n => time(n.parse().expect("a number of candidates")),
+        }
+        return;
     }
     let identity = DMatrix::identity(P, P);
     let functions = [

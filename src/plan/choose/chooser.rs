@@ -16,7 +16,7 @@ use crate::problem::{Accuracy, Goal, Method, Problem};
 use crate::selection::packed::{pack, packed_len, unpack};
 use crate::selection::{
     Best, Certificate, Constraints, Fewest, InformationFunction, Instance, NotEnough, RelaxationSettings, Search,
-    SearchProgress, SelectionError, best, exchange, fewest, greedy, improved_greedy, relax_from_greedy, search,
+    SearchProgress, SelectionError, best, best_from_known, fewest, greedy, improved_greedy, relax_from_greedy, search,
     start_of_search,
 };
 
@@ -129,20 +129,19 @@ impl<'a> Chooser<'a> {
     /// When there are too few views, or none of the sets tried determines all intrinsics.
     pub fn best(&self, count: usize, seed: u64) -> Result<(Choice, Certificate), PlanError> {
         let instance = self.instance(count)?;
-        let found = best(&instance, &self.settings, seed).map_err(|e| self.explain(e))?;
-        let Best { selected, relaxation, .. } = self.at_least_good(&instance, found);
+        let found = match self.known_to_be_good(&instance) {
+            Some(good) => best_from_known(&instance, &self.settings, seed, good),
+            None => best(&instance, &self.settings, seed),
+        };
+        let Best { selected, relaxation, .. } = found.map_err(|e| self.explain(e))?;
         Ok((self.assess(selected), relaxation.certificate))
     }
 
-    /// What is found, or poses known to be good together, improved by exchange, where these are better.
-    fn at_least_good(&self, instance: &Instance, found: Best) -> Best {
-        let good = &self.survey.good;
-        if good.len() != instance.count() || instance.required().iter().any(|i| !good.contains(i)) {
-            return found;
-        }
-        let Ok(selected) = exchange(instance, good.clone()) else { return found };
-        let log_value = instance.log_value_at(&instance.total(&selected));
-        if log_value > found.log_value { Best { selected, log_value, ..found } } else { found }
+    /// The views known to be good together, where they are a choice such as asked for.
+    fn known_to_be_good(&self, instance: &Instance) -> Option<&'a [usize]> {
+        let good = self.survey.good.as_slice();
+        let is_choice = good.len() == instance.count() && instance.required().iter().all(|i| good.contains(i));
+        (is_choice && !instance.is_singular(good)).then_some(good)
     }
 
     /// As [`Chooser::best`], then branch and bound until the best choice is proven, the problem's node limit reached, or
@@ -157,8 +156,11 @@ impl<'a> Chooser<'a> {
         observe: &mut dyn FnMut(&SearchProgress) -> ControlFlow<()>,
     ) -> Result<(Choice, Certificate, Search), PlanError> {
         let instance = self.instance(count)?;
-        let start = start_of_search(&instance, &self.settings, seed).map_err(|e| self.explain(e))?;
-        let start = self.at_least_good(&instance, start);
+        let start = match self.known_to_be_good(&instance) {
+            Some(good) => best_from_known(&instance, &self.settings, seed, good),
+            None => start_of_search(&instance, &self.settings, seed),
+        };
+        let start = start.map_err(|e| self.explain(e))?;
         let found = search(&instance, &start, f64::NEG_INFINITY, self.problem.selection.node_limit, observe)
             .map_err(|e| self.explain(e))?;
         if found.log_value == f64::NEG_INFINITY {

@@ -73,17 +73,26 @@ pub(crate) fn constraints(problem: &Problem, survey: &Survey) -> Result<Constrai
     let caps = groups.iter().map(|group| Cap { members: within(&group.region), most: group.most }).collect();
     let mut separations = Vec::new();
     if *joint_separation > 0.0 {
-        let points = views.iter().map(|view| angles(problem, view)).collect();
-        separations.push(Separation { points, least: *joint_separation });
+        separations.push(separation(views, |view| angles(problem, view), *joint_separation));
     }
     if *view_separation > 0.0 {
-        separations.push(Separation { points: views.iter().map(direction).collect(), least: chord(*view_separation) });
+        separations.push(separation(views, direction, chord(*view_separation)));
     }
     let least = problem.picture_separation();
     if least > 0.0 {
-        separations.push(Separation { points: views.iter().map(|view| picture(problem, view)).collect(), least });
+        separations.push(separation(views, |view| picture(problem, view), least));
     }
     Ok(Constraints { required: indices, forbidden, caps, separations })
+}
+
+/// Of the views' points.
+fn separation<P: AsRef<[f64]>>(views: &[View], point: impl Fn(&View) -> P, least: f64) -> Separation {
+    let dimension = views.first().map_or(0, |view| point(view).as_ref().len());
+    let mut points = Vec::with_capacity(dimension * views.len());
+    for view in views {
+        points.extend_from_slice(point(view).as_ref());
+    }
+    Separation { points: points.into(), dimension, least }
 }
 
 /// Whether a view that was not swept may stand beside `others`: by the axis test, the regions and the separations.
@@ -101,7 +110,7 @@ pub(crate) fn allows(problem: &Problem, others: &[&View], view: &View) -> bool {
         && constraints.groups.iter().all(|g| !g.region.contains(&view.q) || within(&g.region) < g.most)
         && apart(&|view| angles(problem, view), constraints.joint_separation)
         && apart(&direction, chord(constraints.view_separation))
-        && apart(&|view| picture(problem, view), constraints.polished_picture_separation())
+        && apart(&|view| picture(problem, view).to_vec(), constraints.polished_picture_separation())
 }
 
 /// Whether a view is within half a spacing of a swept configuration that is forbidden.
@@ -115,7 +124,7 @@ fn is_at_forbidden(problem: &Problem, view: &View) -> bool {
     swept.into_iter().any(near)
 }
 
-fn picture(problem: &Problem, view: &View) -> Vec<f64> {
+fn picture(problem: &Problem, view: &View) -> [f64; 12] {
     view.picture(&problem.camera, &problem.target.board)
 }
 

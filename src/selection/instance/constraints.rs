@@ -1,5 +1,9 @@
 //! Which selections are allowed.
 
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
 use crate::selection::error::SelectionError;
 
 /// What a selection must satisfy besides its size. The default allows everything.
@@ -34,39 +38,103 @@ impl Cap {
 /// Selected candidates are at least `least` apart.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Separation {
-    /// One point per candidate, all of one dimension; distances are Euclidean.
-    pub points: Vec<Vec<f64>>,
+    /// One point per candidate, all of one dimension, one after the other; distances are Euclidean.
+    pub points: Arc<Vec<f64>>,
+    /// Coordinates of a point.
+    pub dimension: usize,
     /// The least distance.
     pub least: f64,
 }
 
 impl Separation {
+    /// Of points that are all of one dimension.
+    pub fn of<P: AsRef<[f64]>>(points: &[P], least: f64) -> Self {
+        let dimension = points.first().map_or(0, |point| point.as_ref().len());
+        let points: Vec<f64> = points.iter().flat_map(AsRef::as_ref).copied().collect();
+        Self { points: points.into(), dimension, least }
+    }
+
+    fn point(&self, i: usize) -> &[f64] {
+        &self.points[i * self.dimension..(i + 1) * self.dimension]
+    }
+
     fn conflict(&self, i: usize, j: usize) -> bool {
-        self.distance(i, j) < self.least
+        let (a, b) = (self.point(i), self.point(j));
+        // Most are far apart in the first coordinate already.
+        a.first().zip(b.first()).is_none_or(|(a, b)| (a - b).abs() < self.least) && self.distance(i, j) < self.least
     }
 
     fn distance(&self, i: usize, j: usize) -> f64 {
-        self.points[i].iter().zip(&self.points[j]).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+        self.point(i).iter().zip(self.point(j)).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
     }
 
     /// Cells of a grid so fine that any two points of one cell conflict: groups of which a selection holds at most one.
     /// They say less than the separation, but linearly, so that the relaxation can hold them.
-    fn cells(&self) -> Vec<Cap> {
-        let dimension = self.points.first().map_or(0, Vec::len).max(1);
+    fn cells(&self, candidates: usize) -> Vec<Cap> {
         // A little finer than exact, so that rounding never joins two points that do not conflict.
-        let side = self.least / (dimension as f64).sqrt() * (1.0 - 1e-9);
-        let mut keyed: Vec<(Vec<i64>, usize)> = self
-            .points
-            .iter()
-            .enumerate()
-            .map(|(i, point)| (point.iter().map(|x| (x / side).floor() as i64).collect(), i))
-            .collect();
+        let side = self.least / (self.dimension as f64).sqrt() * (1.0 - 1e-9);
+        let places = |i: usize| self.point(i).iter().map(|x| (x / side).floor() as i64);
+        // Most points have a cell to themselves, which a hash of its place tells.
+        let hash = |i: usize| places(i).fold(0, |hash: u64, x| (hash.rotate_left(5) ^ x as u64).wrapping_mul(HASH));
+        let mut hashed: Vec<(u64, usize)> = (0..candidates).into_par_iter().map(|i| (hash(i), i)).collect();
+        hashed.par_sort_unstable();
+        let shared = hashed.chunk_by(|a, b| a.0 == b.0).filter(|alike| alike.len() > 1).flatten();
+        let mut keyed: Vec<(Vec<i64>, usize)> = shared.map(|&(_, i)| (places(i).collect(), i)).collect();
         keyed.sort_unstable();
         keyed
             .chunk_by(|a, b| a.0 == b.0)
             .filter(|cell| cell.len() > 1)
             .map(|cell| Cap { members: cell.iter().map(|&(_, i)| i).collect(), most: 1 })
             .collect()
+    }
+
+    /// The separation of some candidates alone.
+    fn of_part(&self, members: &[usize]) -> Self {
+        let points: Vec<f64> = members.iter().flat_map(|&i| self.point(i)).copied().collect();
+        Self { points: points.into(), dimension: self.dimension, least: self.least }
+    }
+}
+
+/// Multiplier of a hash: an odd number whose bits are spread, from the golden ratio.
+const HASH: u64 = 0x9e37_79b9_7f4a_7c15;
+
+/// Lists of numbers, one after the other.
+#[derive(Debug, Clone, PartialEq, Default)]
+struct Lists {
+    numbers: Vec<u32>,
+    /// Where each list ends; empty if all are.
+    ends: Vec<u32>,
+}
+
+impl Lists {
+    fn get(&self, i: usize) -> &[u32] {
+        let Some(&end) = self.ends.get(i) else { return &[] };
+        let start = if i == 0 { 0 } else { self.ends[i - 1] };
+        &self.numbers[start as usize..end as usize]
+    }
+
+    /// Of each candidate the numbers of the caps that it counts in.
+    fn of_caps(caps: &[Cap], candidates: usize) -> Self {
+        if caps.is_empty() {
+            return Self::default();
+        }
+        let mut ends = vec![0; candidates];
+        for &i in caps.iter().flat_map(|cap| &cap.members) {
+            ends[i] += 1;
+        }
+        let mut sum = 0;
+        for end in &mut ends {
+            (*end, sum) = (sum, sum + *end);
+        }
+        // From where each list starts to where it ends.
+        let mut numbers = vec![0; sum as usize];
+        for (c, cap) in (0..).zip(caps) {
+            for &i in &cap.members {
+                numbers[ends[i] as usize] = c;
+                ends[i] += 1;
+            }
+        }
+        Self { numbers, ends }
     }
 }
 
@@ -81,8 +149,8 @@ pub(crate) struct Rules {
     pub(crate) caps: Vec<Cap>,
     /// Number of caps given.
     given: usize,
-    /// Numbers of the caps that each candidate counts in; empty if there are none.
-    caps_of: Vec<Vec<usize>>,
+    /// Numbers of the caps that each candidate counts in.
+    caps_of: Lists,
     separations: Vec<Separation>,
 }
 
@@ -95,13 +163,14 @@ impl Rules {
             return Err(SelectionError::NoSuchCandidate { candidate, candidates });
         }
         for separation in &separations {
-            let dimension = separation.points.first().map_or(0, Vec::len);
-            let sound = |point: &Vec<f64>| point.len() == dimension && point.iter().all(|x| x.is_finite());
-            if separation.points.len() != candidates
-                || !separation.points.iter().all(sound)
-                || !(separation.least.is_finite() && separation.least >= 0.0)
-            {
-                return Err(SelectionError::Separation { points: separation.points.len(), candidates });
+            let Separation { points, dimension, least } = separation;
+            let are_of_all = points.len() == candidates * dimension && points.iter().all(|x| x.is_finite());
+            if !(are_of_all && least.is_finite() && *least >= 0.0) {
+                return Err(SelectionError::Separation {
+                    coordinates: points.len(),
+                    dimension: *dimension,
+                    candidates,
+                });
             }
         }
         required.sort_unstable();
@@ -129,7 +198,7 @@ impl Rules {
         }
         let separations: Vec<_> = separations.into_iter().filter(|separation| separation.least > 0.0).collect();
         let given = caps.len();
-        caps.extend(separations.iter().flat_map(Separation::cells));
+        caps.extend(separations.iter().flat_map(|separation| separation.cells(candidates)));
         let mut open = vec![];
         if !(required.is_empty() && forbidden.is_empty()) {
             open = vec![true; candidates];
@@ -137,15 +206,7 @@ impl Rules {
                 open[i] = false;
             }
         }
-        let mut caps_of = vec![];
-        if !caps.is_empty() {
-            caps_of = vec![vec![]; candidates];
-            for (c, cap) in caps.iter().enumerate() {
-                for &i in &cap.members {
-                    caps_of[i].push(c);
-                }
-            }
-        }
+        let caps_of = Lists::of_caps(&caps, candidates);
         let rules = Self { required, open, caps, given, caps_of, separations };
         let available = rules.required.len() + (0..candidates).filter(|&i| rules.is_open(i)).count();
         if count > available || count < rules.required.len() {
@@ -158,18 +219,16 @@ impl Rules {
     pub(crate) fn of_part(&self, members: &[usize]) -> Self {
         let place = |i: &usize| members.binary_search(i).ok();
         let places = |candidates: &[usize]| candidates.iter().filter_map(place).collect();
-        let of_members = |separation: &Separation| Separation {
-            points: members.iter().map(|&i| separation.points[i].clone()).collect(),
-            least: separation.least,
-        };
-        let (open, caps_of) = (&self.open, &self.caps_of);
+        let open = &self.open;
+        let caps: Vec<Cap> =
+            self.caps.iter().map(|cap| Cap { members: places(&cap.members), most: cap.most }).collect();
         Self {
             required: places(&self.required),
             open: if open.is_empty() { vec![] } else { members.iter().map(|&i| open[i]).collect() },
-            caps: self.caps.iter().map(|cap| Cap { members: places(&cap.members), most: cap.most }).collect(),
+            caps_of: Lists::of_caps(&caps, members.len()),
+            caps,
             given: self.given,
-            caps_of: if caps_of.is_empty() { vec![] } else { members.iter().map(|&i| caps_of[i].clone()).collect() },
-            separations: self.separations.iter().map(of_members).collect(),
+            separations: self.separations.iter().map(|separation| separation.of_part(members)).collect(),
         }
     }
 
@@ -189,8 +248,8 @@ impl Rules {
     }
 
     /// Numbers of the caps that candidate `i` counts in.
-    pub(crate) fn caps_of(&self, i: usize) -> &[usize] {
-        if self.caps_of.is_empty() { &[] } else { &self.caps_of[i] }
+    pub(crate) fn caps_of(&self, i: usize) -> impl Iterator<Item = usize> {
+        self.caps_of.get(i).iter().map(|&c| c as usize)
     }
 
     /// The caps given.
@@ -206,8 +265,9 @@ impl Rules {
     /// Whether open candidate `i` may join `selected`, once `leaving` has left.
     pub(crate) fn allows(&self, selected: &[usize], leaving: Option<usize>, i: usize) -> bool {
         let others = || selected.iter().filter(|&&j| Some(j) != leaving);
-        let fits = |&c: &usize| others().filter(|&&j| self.caps_of(j).contains(&c)).count() < self.caps[c].most;
-        self.caps_of(i).iter().all(fits) && others().all(|&j| !self.conflict(i, j))
+        let counts = |j: usize, c: usize| self.caps_of.get(j).iter().any(|&of_j| of_j as usize == c);
+        let fits = |c: usize| others().filter(|&&j| counts(j, c)).count() < self.caps[c].most;
+        self.caps_of(i).all(fits) && others().all(|&j| !self.conflict(i, j))
     }
 
     /// Scores less the prices of the caps that each candidate counts in.

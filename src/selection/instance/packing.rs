@@ -119,7 +119,7 @@ impl Graph {
         members = order.into_iter().map(|c| members[c]).collect();
         let conflicts = |a: usize| Bits::new(n, |b| a != b && rules.conflict(members[a], members[b]));
         let conflicts = (0..n).map(conflicts).collect();
-        let group = |g: usize| Bits::new(n, |c| rules.caps_of(members[c]).contains(&g));
+        let group = |g: usize| Bits::new(n, |c| rules.caps_of(members[c]).any(|cap| cap == g));
         let groups = (0..rules.groups().len()).map(group).collect();
         Self { members, conflicts, groups }
     }
@@ -234,7 +234,7 @@ mod tests {
         let candidates = InformationSet::from_matrices(1, vec![&one; n]).unwrap();
         let function = InformationFunction::Determinant;
         let term = Term { candidates: &candidates, prior: None, function: &function, share: 1.0 };
-        let constraints = Constraints { separations: vec![Separation { points, least: 1.0 }], ..Default::default() };
+        let constraints = Constraints { separations: vec![Separation::of(&points, 1.0)], ..Default::default() };
         let found = packing(&Instance::constrained(&[term], n, constraints).unwrap(), &[], EFFORT);
         assert!(found.selected.len() <= 9 && found.at_most >= 9, "{found:?}");
     }
@@ -257,7 +257,7 @@ mod tests {
                 Cap { members: (0..a.min(n)).collect(), most },
                 Cap { members: (b.min(n)..n).collect(), most: 2 },
             ];
-            let constraints = Constraints { caps, separations: vec![Separation { points, least }], ..Default::default() };
+            let constraints = Constraints { caps, separations: vec![Separation::of(&points, least)], ..Default::default() };
             let term = Term { candidates: &candidates, prior: None, function: &function, share: 1.0 };
             let instance = Instance::constrained(&[term], n, constraints).unwrap();
             let included: Vec<usize> = first.then_some(0).into_iter().collect();

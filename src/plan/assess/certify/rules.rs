@@ -55,7 +55,7 @@ impl Rules {
         }
         let least = problem.picture_separation();
         if least > 0.0 {
-            let picture = |view: &View| view.picture(&problem.camera, &problem.target.board);
+            let picture = |view: &View| view.picture(&problem.camera, &problem.target.board).to_vec();
             separations.push((views.iter().map(picture).collect(), least));
         }
         for (points, least) in &separations {

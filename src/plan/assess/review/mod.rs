@@ -59,7 +59,7 @@ pub fn review(plan: &Plan, chooser: &Chooser, selected: &[usize]) -> Result<Revi
             map_error_px: finite(other.map_error),
             error_map: covariance(&other).as_ref().map(map),
         }],
-        curve: curve::curve(plan, chooser)?,
+        curve: curve::curve(plan, chooser, selected)?,
         correlation: known.as_ref().map(correlation).unwrap_or_default(),
         error_map: known.as_ref().map(map),
         error_map_before: chooser.covariance(&chooser.information(&[])).as_ref().map(map),

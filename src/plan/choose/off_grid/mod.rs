@@ -77,6 +77,8 @@ pub(crate) fn leave_grid(problem: &Problem, mut survey: Survey) -> Result<Survey
         let mut good: Vec<usize> =
             set.iter().filter_map(|q| survey.views.iter().position(|view| view.q == *q)).collect();
         good.sort_unstable();
+        // Poses that ended at the same place are no choice.
+        good.dedup();
         survey.good = if good.len() == set.len() { good } else { vec![] };
     }
     Ok(survey)
