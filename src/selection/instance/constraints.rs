@@ -301,3 +301,40 @@ impl Rules {
         (open, least)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        /// In the order of their places, as those who check a certificate number them.
+        #[test]
+        fn cells_are_the_shared_ones_of_a_grid(
+            points in prop::collection::vec(prop::array::uniform2(-1.0..1.0f64), 0..200),
+            least in 0.05..0.6f64,
+        ) {
+            let separation = Separation::of(&points, least);
+            let side = least / 2f64.sqrt() * (1.0 - 1e-9);
+            let mut cells = BTreeMap::<[i64; 2], Vec<usize>>::new();
+            for (i, point) in points.iter().enumerate() {
+                cells.entry(point.map(|x| (x / side).floor() as i64)).or_default().push(i);
+            }
+            let shared = cells.into_values().filter(|members| members.len() > 1);
+            let expected: Vec<Cap> = shared.map(|members| Cap { members, most: 1 }).collect();
+            let found = separation.cells(points.len());
+            for cell in &found {
+                prop_assert!(cell.members.windows(2).all(|pair| separation.conflict(pair[0], pair[1])));
+            }
+            prop_assert_eq!(&found, &expected);
+            let caps_of = Lists::of_caps(&found, points.len());
+            for i in 0..points.len() {
+                let counts = (0..).zip(&found).filter(|(_, cap)| cap.members.contains(&i)).map(|(c, _)| c);
+                prop_assert_eq!(caps_of.get(i).to_vec(), counts.collect::<Vec<u32>>());
+            }
+        }
+    }
+}
