@@ -98,8 +98,15 @@ pub(crate) fn stdout(folder: &Path, line: &str) -> String {
 /// What is on stderr beside how far the work has come, which a busy machine has time to tell: `sweeping: 3 of 4, 20 s`.
 fn complaints(output: &Output) -> String {
     let stderr = text(&output.stderr);
-    let is_progress = |line: &&str| line.ends_with(" s") && line.contains(": ");
-    stderr.split_inclusive('\n').filter(|line| !is_progress(&line.trim_end())).collect()
+    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    let is_progress = |line: &str| {
+        let parts = line.strip_suffix(" s").and_then(|line| line.split_once(": "));
+        parts.is_some_and(|(stage, rest)| {
+            let seconds = rest.rsplit_once(", ").map_or(rest, |(_, seconds)| seconds);
+            stage.bytes().all(|byte| byte.is_ascii_lowercase()) && is_number(seconds)
+        })
+    };
+    stderr.split_inclusive('\n').filter(|line| !is_progress(line.trim_end())).collect()
 }
 
 /// What a command in `folder` that must fail with `code` complains of; stdout must stay empty.

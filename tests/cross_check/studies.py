@@ -6,8 +6,8 @@ Runs a small study and a small design by ${CALIPOSE:-target/release/calipose}. A
 results.csv says; pandas and SciPy make means, medians, Student's intervals and paired comparisons from the rows anew, which must be
 those of study.json; SciPy holds the Sobol draws of a sampled study against the uniform distribution. The plan of the design's
 best.toml, of swept views alone as designs are, goes through map_error.py (OpenCV, NumPy): the map error must be the one that the
-design states. Results stay in FOLDER. Makes a virtual environment with packages from
-PyPI (see environment.py). Exits with 1 at the first disagreement.
+design states. Results stay in FOLDER. Makes a virtual environment with packages from PyPI (see environment.py). Exits with 1 at
+the first disagreement.
 """
 
 import json
