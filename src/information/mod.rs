@@ -3,6 +3,7 @@
 mod blur;
 mod criterion;
 mod diversity;
+mod elimination;
 mod image_area;
 mod map_error;
 mod noise;

@@ -3,8 +3,9 @@
 use nalgebra::{DMatrix, Matrix2x6, Matrix3, Point3, SMatrix, Vector3};
 use rayon::prelude::*;
 
+use super::elimination::{Elimination, MOST_COLUMNS, POSE};
 use super::{Noise, Unknowns, Whitening};
-use crate::camera::{IntrinsicsJacobian, MAX_INTRINSICS};
+use crate::camera::IntrinsicsJacobian;
 use crate::selection::InformationSet;
 use crate::selection::packed::{inverse, packed_len};
 use crate::spatial::{Pose, skew};
@@ -37,9 +38,6 @@ pub(super) struct Derivatives {
     pub(super) by_heights: SMatrix<f64, 2, { Warp::HEIGHTS }>,
     pub(super) whitening: Whitening,
 }
-
-const POSE: usize = 6;
-const MOST_COLUMNS: usize = POSE + Warp::HEIGHTS + MAX_INTRINSICS;
 
 impl<'a> Measurement<'a> {
     /// Of a board's corners.
@@ -109,8 +107,8 @@ impl<'a> Measurement<'a> {
                 let j = nuisance + j;
                 [u[POSE + j], v[POSE + j]] = whitening.whitened(by_intrinsics.column(parameter).into());
             }
-            elimination.add(u);
-            elimination.add(v);
+            elimination.add(&u);
+            elimination.add(&v);
         }
         Some(())
     }
@@ -151,100 +149,6 @@ impl<'a> Measurement<'a> {
             Some(())
         })?;
         InformationSet::from_packed_unchecked(self.order(), table).ok()
-    }
-}
-
-/// Rows that are eliminated together.
-const BLOCK: usize = 64;
-
-/// A pose's variable of which its column leaves no more than this share beside the others before it is not determined.
-const UNDETERMINED: f64 = 1e-12;
-
-/// The pose's six variables eliminated from the rows of [B A], by reflections: what B does not explain of A is left before
-/// anything is squared. A long lens sees a change of its principal point all but as a turn of the camera, and the
-/// difference of the squares, `AᵀA − AᵀB (BᵀB)⁻¹ BᵀA`, would lose twice the digits.
-struct Elimination {
-    columns: usize,
-    /// The six rows of `R` in `[B A] = Q R`, of the rows so far.
-    R: [[f64; MOST_COLUMNS]; POSE],
-    /// Rows that wait.
-    rows: Vec<[f64; MOST_COLUMNS]>,
-    /// `A⊥ᵀA⊥` of the rows done, p×p packed.
-    products: Vec<f64>,
-}
-
-impl Elimination {
-    fn new(p: usize) -> Self {
-        Self {
-            columns: POSE + p,
-            R: [[0.0; MOST_COLUMNS]; POSE],
-            rows: Vec::with_capacity(BLOCK),
-            products: vec![0.0; packed_len(p)],
-        }
-    }
-
-    fn add(&mut self, row: [f64; MOST_COLUMNS]) {
-        self.rows.push(row);
-        if self.rows.len() == BLOCK {
-            self.eliminate();
-        }
-    }
-
-    /// Takes the waiting rows in: a Householder reflection for each pose variable k, of row k of R and the waiting rows, clears
-    /// its column in these. What is left of their other columns is orthogonal to B.
-    fn eliminate(&mut self) {
-        let columns = self.columns;
-        for k in 0..POSE {
-            let pivot = self.R[k][k];
-            let norm = self.rows.iter().map(|row| row[k] * row[k]).fold(pivot * pivot, |sum, x| sum + x).sqrt();
-            if norm == 0.0 {
-                continue;
-            }
-            let top = pivot + norm.copysign(pivot);
-            let mut along = [0.0; MOST_COLUMNS];
-            for (along, entry) in along[k + 1..columns].iter_mut().zip(&self.R[k][k + 1..columns]) {
-                *along = top * entry;
-            }
-            for row in &self.rows {
-                let own = row[k];
-                for (along, entry) in along[k + 1..columns].iter_mut().zip(&row[k + 1..columns]) {
-                    *along += own * entry;
-                }
-            }
-            // 2 / vᵀv of the reflection's vector v.
-            let scale = 1.0 / (norm * (norm + pivot.abs()));
-            for along in &mut along[k + 1..columns] {
-                *along *= scale;
-            }
-            self.R[k][k] = -norm.copysign(pivot);
-            for (entry, along) in self.R[k][k + 1..columns].iter_mut().zip(&along[k + 1..columns]) {
-                *entry -= top * along;
-            }
-            for row in &mut self.rows {
-                let own = row[k];
-                for (entry, along) in row[k + 1..columns].iter_mut().zip(&along[k + 1..columns]) {
-                    *entry -= own * along;
-                }
-            }
-        }
-        for row in self.rows.drain(..) {
-            let left = &row[POSE..columns];
-            for (i, own) in left.iter().enumerate() {
-                for (sum, other) in self.products[packed_len(i)..=packed_len(i) + i].iter_mut().zip(left) {
-                    *sum += own * other;
-                }
-            }
-        }
-    }
-
-    /// `A⊥ᵀA⊥`, packed; `None` if the pose is not determined.
-    fn finish(mut self) -> Option<Vec<f64>> {
-        self.eliminate();
-        let determined = |k: usize| {
-            let column = (0..=k).map(|i| self.R[i][k] * self.R[i][k]).sum::<f64>().sqrt();
-            self.R[k][k].abs() > UNDETERMINED * column
-        };
-        (0..POSE).all(determined).then_some(self.products)
     }
 }
 

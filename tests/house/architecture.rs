@@ -88,6 +88,7 @@ const ROOMS: [(&str, &[&str]); 37] = [
             "weakest",
             "blur",
             "noise",
+            "elimination",
             "view",
             "unweighted",
             "zhang",
