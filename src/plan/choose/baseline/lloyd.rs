@@ -30,7 +30,8 @@ pub fn lloyd(points: &Points, centres: &[Vec<f64>]) -> Clustering {
     Clustering { centres, labels, inertia }
 }
 
-/// What is known of a point: `upper` is at least its distance from its centre, `lower` at most that from any other.
+/// What is known of a point, as of the start: `upper` and what its centre travelled since then are at least its distance from it,
+/// `lower` less what the others came nearer at most that from any other.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bounds {
     label: u32,
@@ -38,16 +39,10 @@ pub(super) struct Bounds {
     lower: f64,
 }
 
-impl From<Nearest> for Bounds {
-    fn from(Nearest { centre, squared, second_squared }: Nearest) -> Self {
-        Self { label: centre as u32, upper: squared.sqrt(), lower: second_squared.sqrt() }
-    }
-}
-
 /// The rounds of [`lloyd`], from these centres on; compiled for every set of instructions that [`Arch`] tells apart.
 ///
 /// By Hamerly's bounds (*Making k-means even faster*, 2010) most points are seen to stay without looking at other centres than
-/// their own.
+/// their own. Nothing is written of them, nor read but the bounds: what there is of a million points is in no cache.
 pub(super) struct Rounds<'a> {
     pub(super) points: &'a Points,
     pub(super) centres: Centres,
@@ -62,58 +57,101 @@ impl WithSimd for Rounds<'_> {
         let Self { points, mut centres } = self;
         let mut bounds: Vec<Bounds> = Vec::with_capacity(points.len());
         for point in points.iter() {
-            bounds.push(centres.nearest(point).into());
+            let Nearest { centre, squared, second_squared } = centres.nearest(point);
+            bounds.push(Bounds { label: centre as u32, upper: squared.sqrt(), lower: second_squared.sqrt() });
         }
+        let mut members = Clusters::new(points, &bounds, centres.len());
         let mut half_gaps = vec![0.0; centres.len()];
+        // Of each centre how far it has moved since the start, and how far any other may have come towards its points.
+        let (mut travelled, mut approached) = (half_gaps.clone(), half_gaps.clone());
         for _ in 0..MOST_ROUNDS {
-            let moves = to_means(points, &bounds, &mut centres);
+            let moves = to_means(&members, &mut centres);
             let farthest = (0..moves.len()).max_by(|&a, &b| moves[a].total_cmp(&moves[b])).unwrap_or(0);
             let next = (0..moves.len()).filter(|&c| c != farthest).map(|c| moves[c]).fold(0.0, f64::max);
             // Half of each centre's distance from the nearest other, itself being the nearest: a point within stays.
-            for (c, half_gap) in half_gaps.iter_mut().enumerate() {
-                *half_gap = 0.5 * centres.nearest(&centres.get(c)).second_squared.sqrt();
+            for c in 0..moves.len() {
+                half_gaps[c] = 0.5 * centres.nearest(&centres.get(c)).second_squared.sqrt();
+                travelled[c] += moves[c];
+                approached[c] += if c == farthest { next } else { moves[farthest] };
             }
             let mut changed = false;
-            for (bounds, point) in bounds.iter_mut().zip(points.iter()) {
+            for (i, bounds) in bounds.iter_mut().enumerate() {
                 let label = bounds.label as usize;
-                bounds.upper += moves[label];
-                bounds.lower -= if label == farthest { next } else { moves[farthest] };
-                let stays = half_gaps[label].max(bounds.lower);
-                if bounds.upper > stays {
-                    bounds.upper = centres.squared_distance(point, label).sqrt();
+                let stays = half_gaps[label].max(bounds.lower - approached[label]);
+                if bounds.upper + travelled[label] <= stays {
+                    continue;
                 }
-                if bounds.upper > stays {
-                    *bounds = centres.nearest(point).into();
-                    changed |= bounds.label as usize != label;
+                let point = points.point(i);
+                let distance = centres.squared_distance(point, label).sqrt();
+                bounds.upper = distance - travelled[label];
+                if distance > stays {
+                    let Nearest { centre, squared, second_squared } = centres.nearest(point);
+                    if centre != label {
+                        members.take(label, point);
+                        members.put(centre, point);
+                        changed = true;
+                    }
+                    let (upper, lower) =
+                        (squared.sqrt() - travelled[centre], second_squared.sqrt() + approached[centre]);
+                    *bounds = Bounds { label: centre as u32, upper, lower };
                 }
             }
-            if !changed {
+            if !changed && members.exact {
                 break;
+            }
+            if !changed {
+                members = Clusters::new(points, &bounds, centres.len());
             }
         }
         (centres, bounds)
     }
 }
 
-/// Moves the centres to the means of their points; returns how far each moved.
-fn to_means(points: &Points, bounds: &[Bounds], centres: &mut Centres) -> Vec<f64> {
-    let width = points.width();
-    let (mut sums, mut counts) = (vec![0.0; centres.len() * width], vec![0usize; centres.len()]);
-    for (point, bounds) in points.iter().zip(bounds) {
-        let label = bounds.label as usize;
-        counts[label] += 1;
-        for (sum, x) in sums[label * width..][..width].iter_mut().zip(point) {
+/// The points of each cluster, summed.
+struct Clusters {
+    width: usize,
+    /// Clusters × coordinates.
+    sums: Vec<f64>,
+    counts: Vec<usize>,
+    /// Whether they were summed in the points' order, and not kept up as points changed their clusters, with the rounding of that.
+    exact: bool,
+}
+
+impl Clusters {
+    fn new(points: &Points, bounds: &[Bounds], clusters: usize) -> Self {
+        let width = points.width();
+        let mut found = Self { width, sums: vec![0.0; clusters * width], counts: vec![0; clusters], exact: true };
+        for (point, bounds) in points.iter().zip(bounds) {
+            found.put(bounds.label as usize, point);
+        }
+        Self { exact: true, ..found }
+    }
+
+    fn put(&mut self, cluster: usize, point: &[f64]) {
+        self.counts[cluster] += 1;
+        self.exact = false;
+        for (sum, x) in self.sums[cluster * self.width..].iter_mut().zip(point) {
             *sum += x;
         }
     }
+
+    fn take(&mut self, cluster: usize, point: &[f64]) {
+        self.counts[cluster] -= 1;
+        self.exact = false;
+        for (sum, x) in self.sums[cluster * self.width..].iter_mut().zip(point) {
+            *sum -= x;
+        }
+    }
+}
+
+/// Moves the centres to the means of their members; returns how far each moved.
+fn to_means(members: &Clusters, centres: &mut Centres) -> Vec<f64> {
     let mut moves = vec![0.0; centres.len()];
-    for (c, (sum, count)) in sums.chunks_exact_mut(width).zip(counts).enumerate() {
+    for (c, (sum, &count)) in members.sums.chunks_exact(members.width).zip(&members.counts).enumerate() {
         if count > 0 {
-            for x in sum.iter_mut() {
-                *x /= count as f64;
-            }
-            moves[c] = centres.squared_distance(sum, c).sqrt();
-            centres.put(c, sum);
+            let mean: Vec<f64> = sum.iter().map(|x| x / count as f64).collect();
+            moves[c] = centres.squared_distance(&mean, c).sqrt();
+            centres.put(c, &mean);
         }
     }
     moves
