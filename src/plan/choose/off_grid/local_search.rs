@@ -1,5 +1,8 @@
 //! Better joint values near those of a view.
 
+use std::cell::RefCell;
+use std::collections::HashMap;
+
 use argmin::core::{CostFunction, Executor};
 use argmin::solver::neldermead::NelderMead;
 use nalgebra::DVector;
@@ -57,11 +60,18 @@ impl<'a> LocalSearch<'a> {
     /// The view from the joint values next to `q` that poses may have; `None` if it is no view, in too many of the scenarios
     /// none, or not allowed beside `others`.
     pub(crate) fn look(&self, id: usize, q: &[f64], others: &[&View]) -> Option<Candidate> {
+        self.look_at(id, &self.told(q), others)
+    }
+
+    /// The joint values next to `q` that poses may have and the robot can be told.
+    fn told(&self, q: &[f64]) -> Vec<f64> {
         let joints = &self.problem.robot.chain.joints;
         let within = q.iter().zip(&self.ranges).map(|(q, range)| q.max(range.min).min(range.max));
-        let told = within.zip(joints).zip(&self.ranges).map(|((q, joint), range)| joint.resolution.nearest(q, range));
-        let q: Vec<f64> = told.collect();
-        let view = self.scenes[0].look(id, &q)?;
+        within.zip(joints).zip(&self.ranges).map(|((q, joint), range)| joint.resolution.nearest(q, range)).collect()
+    }
+
+    fn look_at(&self, id: usize, q: &[f64], others: &[&View]) -> Option<Candidate> {
+        let view = self.scenes[0].look(id, q)?;
         if !allows(self.problem, others, &view) || !self.is_certain(&view) {
             return None;
         }
@@ -95,7 +105,7 @@ impl<'a> LocalSearch<'a> {
         stretch: f64,
         value: &dyn Fn(&[f64]) -> f64,
     ) -> Option<Candidate> {
-        let slope = Slope { search: self, id: start.id, others, value };
+        let slope = Slope { search: self, id: start.id, others, value, known: RefCell::default() };
         let q = DVector::from_column_slice(&start.q);
         let vertex = |(joint, &step): (usize, &f64)| {
             let moved = |share: f64| {
@@ -123,13 +133,21 @@ struct Slope<'a> {
     id: usize,
     others: &'a [&'a View],
     value: &'a dyn Fn(&[f64]) -> f64,
+    /// Costs by the bits of the joint values: a simplex that is hardly larger than what the robot can be told asks for the same ones
+    /// again and again.
+    known: RefCell<HashMap<Vec<u64>, f64>>,
 }
 
 impl Slope<'_> {
     /// Less its value; infinite where it is no view or not allowed.
     fn cost_at(&self, q: &DVector<f64>) -> f64 {
-        let found = self.search.look(self.id, q.as_slice(), self.others);
-        found.map_or(f64::INFINITY, |found| -(self.value)(&found.information))
+        let q = self.search.told(q.as_slice());
+        let cost = || {
+            let found = self.search.look_at(self.id, &q, self.others);
+            found.map_or(f64::INFINITY, |found| -(self.value)(&found.information))
+        };
+        let place = q.iter().map(|q| q.to_bits()).collect();
+        *self.known.borrow_mut().entry(place).or_insert_with(cost)
     }
 }
 
