@@ -1,12 +1,13 @@
 //! What a run would find and take, from a small pilot of every stage on the problem's own numbers.
 
+use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
 use super::verify::verify;
 use crate::feasibility::{LinkPairs, Rejection, View};
-use crate::plan::choose::{Chooser, PICKS, PlanError};
+use crate::plan::choose::{Chooser, PICKS, SAMPLED_OFF_GRID};
 use crate::plan::document::{
     CameraSights, CheckDocument, CollisionDocument, DiagnosisDocument, Document, LensDocument, NoteDocument,
     ProblemReference, SelfCollision, finite,
@@ -40,8 +41,17 @@ const TRIALS: usize = 8;
 /// Boards with more corners than this along a side are thinned out for the pilot.
 const ALONG: usize = 12;
 
-/// Runs of k-means that the summary of a plan sets beside it.
-const CLUSTERINGS: f64 = 10.0;
+/// What selection, the report's curve and k-means beside the plan take of each candidate, in scorings of it by a gradient: whatever
+/// the number of poses, and for each pose. Of grids of up to a million views.
+const SCORINGS: f64 = 500.0;
+const SCORINGS_PER_POSE: f64 = 150.0;
+
+/// How long scorings are timed.
+const SCORING: Duration = Duration::from_millis(2);
+
+/// Views that climbs off the grid look at for each joint, whatever the number of poses and for each pose.
+const LOOKS: f64 = 20_000.0;
+const LOOKS_PER_POSE: f64 = 1_200.0;
 
 /// Selections that it takes to find the fewest poses, with the bounds on fewer.
 const FEWEST: f64 = 4.0;
@@ -131,17 +141,23 @@ pub fn forecast(problem: &Problem, trials: usize) -> Forecast {
     let mut count = problem.selection.goal.count();
     if let Some(chosen) = Chosen::new(&small, &pilot) {
         seconds += views * corners * chosen.inform;
+        let weighings = |candidates: f64, k: f64| candidates * chosen.score * (SCORINGS + SCORINGS_PER_POSE * k);
         if let Some((try_one, joined)) = chosen.refining {
             let sample = problem.refinement.sample as f64;
             let picked = count.unwrap_or(PICKS);
             for _ in 0..problem.refinement.rounds {
-                seconds += sample * try_one * corners + chosen.exchange.at(kept, picked as f64);
+                seconds += sample * try_one * corners + weighings(kept, picked as f64);
                 kept += sample * joined;
             }
         }
         count = count.or_else(|| chosen.fewest(kept));
         let k = count.unwrap_or(PICKS) as f64;
-        seconds += chosen.selection.at(kept, k) + chosen.clustering.at(kept, k) * CLUSTERINGS;
+        seconds += chosen.selection + weighings(kept, k);
+        if problem.selection.leaves_grid() {
+            let looks = problem.robot.chain.dof() as f64 * (LOOKS + LOOKS_PER_POSE * k);
+            seconds +=
+                looks * corners * (pilot.pass + chosen.inform) + SAMPLED_OFF_GRID as f64 * pilot.handed_on * test;
+        }
         seconds += chosen.trial * corners * k * trials as f64;
     }
     Forecast {
@@ -153,7 +169,7 @@ pub fn forecast(problem: &Problem, trials: usize) -> Forecast {
     }
 }
 
-/// Bytes at most: the candidates' numbers, the views and what they teach, while they are gathered twice.
+/// Bytes at most: the candidates' numbers, the views and what they teach.
 fn bytes(problem: &Problem, candidates: f64, views: f64) -> f64 {
     let p = problem.measurement().order();
     let scenarios = problem.robust.as_ref().map_or(1, |robust| robust.scenarios);
@@ -161,7 +177,7 @@ fn bytes(problem: &Problem, candidates: f64, views: f64) -> f64 {
         problem.robot.chain.dof() + p * (p + 1) / 2 * (1 + problem.selection.goal.criteria().len()) * scenarios;
     let seen = problem.visibility.min_corners.map_or(0, |_| problem.target.board.corner_count());
     let view = size_of::<View>() + 8 * (numbers + seen) + 32;
-    PROGRAM + candidates * 16.0 + 2.0 * views * view as f64
+    PROGRAM + candidates * 16.0 + views * view as f64
 }
 
 /// The bytes that a run would need at most, from counts alone: quicker than a whole forecast.
@@ -236,45 +252,16 @@ fn sweeping(problem: &Problem) -> f64 {
     start.elapsed().as_secs_f64() * problem.space.size() / found.swept.max(1) as f64
 }
 
-/// Seconds of a selection as they grow with the candidates and the poses.
-#[derive(Debug, Clone, Copy)]
-struct Growth {
-    /// Candidates and poses of the larger of two pilots, its seconds, and the seconds that each further candidate takes.
-    candidates: f64,
-    poses: f64,
-    seconds: f64,
-    each: f64,
-}
-
-impl Growth {
-    /// From two runs of `select` on the first so many views.
-    fn new(sizes: [usize; 2], poses: usize, mut select: impl FnMut(usize) -> Option<()>) -> Option<Self> {
-        let mut timed = |size| {
-            let start = Instant::now();
-            select(size)?;
-            Some(start.elapsed().as_secs_f64())
-        };
-        let [fewer, more] = sizes;
-        let (short, long) = (timed(fewer)?, timed(more)?);
-        let each = ((long - short) / (more - fewer).max(1) as f64).max(0.2 * long / more as f64);
-        Some(Self { candidates: more as f64, poses: poses as f64, seconds: long, each })
-    }
-
-    fn at(&self, candidates: f64, poses: f64) -> f64 {
-        let at_poses = self.seconds + self.each * (candidates - self.candidates);
-        at_poses.max(0.0) * (poses / self.poses)
-    }
-}
-
 /// What the pilot of selection, and of what follows it, took.
 struct Chosen<'a> {
     problem: &'a Problem,
     survey: Survey,
     /// Seconds to weigh a view.
     inform: f64,
-    selection: Growth,
-    exchange: Growth,
-    clustering: Growth,
+    /// Seconds to score one by a gradient.
+    score: f64,
+    /// Seconds of the pilot's selection.
+    selection: f64,
     /// Seconds of refinement for a configuration, and the share of those that are views.
     refining: Option<(f64, f64)>,
     /// Seconds of a simulated calibration for each of its poses.
@@ -296,38 +283,20 @@ impl<'a> Chosen<'a> {
         }
         let asked = problem.selection.goal.count().unwrap_or(CHOSEN);
         let poses = asked.min(CHOSEN).min(m / 2).max(1);
-        let sizes = [(m / 3).max(poses), m];
-        let part = |size: usize| Survey::of(problem, survey.views[..size].to_vec()).ok();
-        let choose = |size: usize, select: &dyn Fn(&Chooser) -> Result<(), PlanError>| {
-            let part = part(size)?;
-            select(&Chooser::new(problem, &part).ok()?).ok()
-        };
         let settings = &problem.selection;
-        let selection = Growth::new(sizes, poses, |size| {
-            choose(size, &|chooser| match settings.goal {
-                Goal::Fewest { .. } | Goal::Best { method: Method::Best | Method::Exact, .. } => {
-                    chooser.best(poses, settings.seed).map(drop)
-                }
-                Goal::Best { method, .. } => {
-                    chooser.choose(method, poses, settings.seed)?;
-                    chooser.certificate(poses).map(drop)
-                }
-            })
-        })?;
-        let by = |method| {
-            Growth::new(sizes, poses, |size| {
-                choose(size, &|chooser| chooser.choose(method, poses, settings.seed).map(drop))
-            })
-        };
-        let (exchange, clustering) = (by(Method::Exchange)?, by(Method::KMeansJoints)?);
-        let selection = match settings.goal {
-            Goal::Best { .. } => selection,
-            Goal::Fewest { .. } => {
-                Growth { seconds: FEWEST * selection.seconds, each: FEWEST * selection.each, ..selection }
-            }
-        };
         let chooser = Chooser::new(problem, &survey).ok()?;
+        let start = Instant::now();
+        match settings.goal {
+            Goal::Best { method, .. } if !matches!(method, Method::Best | Method::Exact) => {
+                chooser.choose(method, poses, settings.seed).ok()?;
+                chooser.certificate(poses).ok()?;
+            }
+            _ => drop(chooser.best(poses, settings.seed).ok()?),
+        }
+        let times = if matches!(settings.goal, Goal::Fewest { .. }) { FEWEST } else { 1.0 };
+        let selection = times * start.elapsed().as_secs_f64();
         let choice = chooser.choose(Method::Exchange, poses, settings.seed).ok()?;
+        let score = scoring(&chooser, &choice.selected)?;
         drop(chooser);
         let picks: Vec<Vec<f64>> = choice.selected.iter().map(|&i| survey.views[i].q.clone()).collect();
         let refining = (problem.refinement.rounds > 0).then(|| refining(problem, &survey, &picks)).flatten();
@@ -335,7 +304,7 @@ impl<'a> Chosen<'a> {
         let verified = verify(problem, &picks, &Disturbance::default(), Weighing::default(), TRIALS, 0, &|_| {});
         let trial = start.elapsed().as_secs_f64() / (TRIALS * poses) as f64;
         let trial = if verified.is_ok() { trial } else { 0.0 };
-        Some(Self { problem, survey, inform, selection, exchange, clustering, refining, trial })
+        Some(Self { problem, survey, inform, score, selection, refining, trial })
     }
 
     /// The fewest of `views` candidates that reach the accuracies, by the density of the best among the pilot's; none if all
@@ -356,6 +325,18 @@ impl<'a> Chosen<'a> {
         }
         (count <= views).then_some(count.ceil() as usize)
     }
+}
+
+/// Seconds to score a candidate by the gradient at `selected`, on all threads.
+fn scoring(chooser: &Chooser, selected: &[usize]) -> Option<f64> {
+    let instance = chooser.instance(selected.len()).ok()?;
+    let gradient = instance.gradient(selected).ok()?;
+    let start = Instant::now();
+    let mut scored = 0;
+    while start.elapsed() < SCORING {
+        scored += black_box(instance.scores(&gradient.y)).len();
+    }
+    Some(start.elapsed().as_secs_f64() / (scored * rayon::current_num_threads()) as f64)
 }
 
 /// Seconds that a configuration around the picks takes, and the share that are views.

@@ -20,7 +20,7 @@ pub use continuum::ContinuumCertificate;
 pub use decide::{Decision, FewestProof, SearchSummary, decide};
 pub use error::PlanError;
 pub(crate) use objective::Objective;
-pub(crate) use off_grid::{Moved, Poses, leave_grid, moved};
+pub(crate) use off_grid::{Moved, Poses, SAMPLED as SAMPLED_OFF_GRID, leave_grid, moved};
 pub use off_grid::{PolishSettings, plan_survey};
 pub(crate) use refined_survey::PICKS;
 pub use refined_survey::refined_survey;

@@ -1,5 +1,7 @@
 //! Column generation over all joint values.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::local_search::{Candidate, LocalSearch, TRIES};
@@ -9,7 +11,7 @@ use crate::plan::choose::error::PlanError;
 use crate::plan::survey::spacings;
 use crate::problem::{Method, Problem};
 use crate::selection::packed::dot;
-use crate::selection::{Constraints, RelaxationSettings, relax};
+use crate::selection::{RelaxationSettings, relax};
 use crate::sweep::HaltonSample;
 
 /// Most rounds; some ten are common.
@@ -31,6 +33,9 @@ const TOLERANCE: f64 = 1e-3;
 /// that is done: a maximum may lie where no swept view is near.
 const SAMPLE: usize = 50_000;
 const SAMPLES: usize = 8;
+
+/// All of them.
+pub(crate) const SAMPLED: usize = SAMPLES * SAMPLE;
 
 /// Least share of the level that the views among them score which are climbed from.
 const PROMISING: f64 = 0.3;
@@ -55,7 +60,7 @@ pub(super) fn columns(problem: &Problem, chooser: &Chooser, count: usize) -> Res
         let matrices: Vec<Vec<f64>> = columns.iter().map(|column| column.information.clone()).collect();
         // Weights that add up to one, on k times the information: poses may repeat.
         let objective = objective.on(&matrices).known_share(1.0 / count as f64);
-        let Ok(instance) = objective.instance(1, Constraints::default()) else { break };
+        let Ok(instance) = objective.instance(1, &Arc::default()) else { break };
         let all: Vec<usize> = (0..columns.len()).collect();
         let Ok(relaxation) = relax(&instance, &all, &settings) else { break };
         let mut weights = vec![0.0; columns.len()];
@@ -107,7 +112,7 @@ fn sampled(
     if ranges.len() > HaltonSample::MOST_JOINTS {
         return vec![];
     }
-    let sample = HaltonSample::new(&ranges, SAMPLES * SAMPLE);
+    let sample = HaltonSample::new(&ranges, SAMPLED);
     let looked = (number * SAMPLE..(number + 1) * SAMPLE).into_par_iter().with_min_len(256);
     let found = looked.filter_map(|id| search.look(0, &sample.configuration(id), &[]));
     found.filter(|found| promising(&found.information)).collect()

@@ -25,6 +25,7 @@ use super::error::PlanError;
 use super::refined_survey::{PICKS, refined_survey};
 use crate::plan::survey::Survey;
 use crate::problem::{Goal, Method, Problem};
+pub(crate) use columns::SAMPLED;
 use columns::columns;
 
 /// The survey's views of the greatest scores that choices on the way are made from, at least, and for each pose.
