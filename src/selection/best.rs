@@ -7,12 +7,9 @@ use rayon::prelude::*;
 
 use super::error::SelectionError;
 use super::exchange::{improved, improved_greedy, improved_nearby};
-use super::greedy::start;
+use super::greedy::start_of_sample;
 use super::instance::{Instance, Part};
 use super::relaxation::{Relaxation, RelaxationSettings, relax};
-
-/// Candidates from twice as many of which on greedy picks among so many: the relaxation begins there, and moves on.
-const PICKED_AMONG: usize = 50_000;
 
 /// Random roundings tried beside the k largest weights, of functions without and with kinks, on which exchange takes longer.
 const ROUNDINGS: usize = 16;
@@ -153,7 +150,8 @@ fn kick(instance: &Instance, selected: &[usize], rng: &mut impl Rng) -> Option<V
     first_allowed(instance, &kept, &others)
 }
 
-/// Greedy's picks, improved by exchange where they are singular, and the relaxation from there.
+/// Greedy's picks, among an even sample where candidates are many and improved by exchange where they are singular, and the relaxation
+/// from there.
 ///
 /// # Errors
 /// As [`improved_greedy`].
@@ -161,25 +159,10 @@ pub(crate) fn relax_from_greedy(
     instance: &Instance,
     settings: &RelaxationSettings,
 ) -> Result<(Vec<usize>, Relaxation), SelectionError> {
-    let picked = picked(instance)?;
+    let picked = start_of_sample(instance)?;
+    let picked = if instance.is_singular(&picked) { improved_greedy(instance)? } else { picked };
     let relaxation = relax(instance, &picked, settings)?;
     Ok((picked, relaxation))
-}
-
-/// Greedy's picks, among an even sample where there are many, improved where they are singular.
-fn picked(instance: &Instance) -> Result<Vec<usize>, SelectionError> {
-    if instance.len() > 2 * PICKED_AMONG {
-        let part = Part::new(instance, (0..instance.len()).step_by(instance.len() / PICKED_AMONG));
-        let of_part = part.instance();
-        // Where the sample does not do, all may.
-        if let Ok(picked) = start(&of_part)
-            && !of_part.is_singular(&picked)
-        {
-            return Ok(part.members(&picked));
-        }
-    }
-    let picked = start(instance)?;
-    if instance.is_singular(&picked) { improved_greedy(instance) } else { Ok(picked) }
 }
 
 /// Greedy's picks and roundings of the relaxation, each once.

@@ -1,10 +1,12 @@
 //! Exchange (Fedorov 1972): swaps one selected candidate for another while that gains.
 
+use std::iter::zip;
+
 use rayon::prelude::*;
 
 use super::error::SelectionError;
-use super::greedy::{EVALUATED_PER_TASK, highest, start};
-use super::instance::{Instance, Part};
+use super::greedy::{EVALUATED_PER_TASK, highest, sample, start};
+use super::instance::Instance;
 
 /// Least gain in log Φ that counts as one.
 const LEAST_GAIN: f64 = 1e-12;
@@ -15,6 +17,9 @@ const SOFTNESSES: [f64; 5] = [0.5, 0.2, 0.08, 0.03, 0.01];
 
 /// Candidates that a swap at a softness may bring in: the way there matters less than the end, which looks at all.
 const SOFT_WIDTH: usize = 150;
+
+/// Candidates that a swap may bring in where a sample has been improved.
+const SAMPLED_WIDTH: usize = 3000;
 
 /// Average views for each of the k that are assumed known, ever fewer, while swaps lead out of the singular selections.
 const RIDGES: [f64; 3] = [1e-2, 1e-4, 1e-6];
@@ -31,31 +36,25 @@ const MOST_EVALUATED: usize = 4096;
 /// # Errors
 /// When no allowed set was found, or what was found leaves a combination of the parameters undetermined.
 pub fn improved_greedy(instance: &Instance) -> Result<Vec<usize>, SelectionError> {
-    let improved = improved(instance, start(instance)?);
-    if instance.is_singular(&improved) {
-        return Err(instance.unobservable(&improved));
-    }
-    Ok(improved)
+    regular_of(instance, improved(instance, start(instance)?))
 }
 
-/// As [`improved_greedy`], of those candidates alone that score most by `y`, `most` at most, and of the required ones.
+/// As [`improved_greedy`], but where candidates are many among an even sample of them, and from there by swaps for those of all that
+/// score most.
 ///
 /// # Errors
 /// As [`improved_greedy`].
-pub(crate) fn improved_greedy_of_highest(
-    instance: &Instance,
-    y: &[f64],
-    most: usize,
-) -> Result<Vec<usize>, SelectionError> {
-    if instance.len() <= most {
-        return improved_greedy(instance);
+pub(crate) fn improved_sample(instance: &Instance) -> Result<Vec<usize>, SelectionError> {
+    let begun = sample(instance).and_then(|part| Some(part.members(&improved_greedy(&part.instance()).ok()?)));
+    match begun {
+        Some(selected) => regular_of(instance, ascend(instance, selected, SAMPLED_WIDTH)),
+        None => improved_greedy(instance),
     }
-    let part = Part::new(instance, highest(&instance.scores(y), |i| instance.is_open(i), most));
-    match improved_greedy(&part.instance()) {
-        Ok(found) => Ok(part.members(&found)),
-        // Where so few do not do, all may.
-        Err(_) => improved_greedy(instance),
-    }
+}
+
+/// `selected`, if they determine every parameter.
+fn regular_of(instance: &Instance, selected: Vec<usize>) -> Result<Vec<usize>, SelectionError> {
+    if instance.is_singular(&selected) { Err(instance.unobservable(&selected)) } else { Ok(selected) }
 }
 
 /// Improves a selection by the best swap of one selected for one other candidate until no swap gains; returns it in
@@ -168,12 +167,14 @@ fn best_swap(
                 break;
             }
             let (next, rest) = left.split_at(leading.min(most));
-            let allowed = |&j: &usize| rules.is_free() || rules.allows(selected, Some(i), j);
-            let next: Vec<usize> = next.iter().copied().filter(allowed).collect();
             let level = before + best_gain - ROUNDING;
-            let values = |part: &[usize]| instance.log_values_with(&without, part, level);
-            let values = next.par_chunks(EVALUATED_PER_TASK).map(values);
-            for (&j, value) in next.iter().zip(values.collect::<Vec<_>>().concat()) {
+            let values = next.par_chunks(EVALUATED_PER_TASK).map(|part| {
+                let allowed = |&j: &usize| rules.is_free() || rules.allows(selected, Some(i), j);
+                let part: Vec<usize> = part.iter().copied().filter(allowed).collect();
+                let values = instance.log_values_with(&without, &part, level);
+                zip(part, values).collect::<Vec<_>>()
+            });
+            for (j, value) in values.collect::<Vec<_>>().concat() {
                 let gain = value - before;
                 if gain > best_gain {
                     (best, best_gain, least_lead) = (Some((place, j)), gain, gain.exp_m1());
@@ -183,4 +184,53 @@ fn best_swap(
         }
     }
     best
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DMatrix;
+    use rand::{Rng, SeedableRng};
+    use rand_xoshiro::Xoshiro256Plus;
+
+    use super::*;
+    use crate::selection::{
+        Constraints, InformationFunction, InformationSet, RelaxationSettings, Separation, Term, best,
+    };
+
+    /// `g gᵀ` of three numbers each, of so many that greedy picks from every other one.
+    fn many() -> (Vec<[f64; 3]>, InformationSet) {
+        let mut rng = Xoshiro256Plus::seed_from_u64(3);
+        let rows: Vec<[f64; 3]> = (0..120_000).map(|_| std::array::from_fn(|_| rng.gen_range(-1.0..1.0))).collect();
+        let table = rows.iter().flat_map(|&[x, y, z]| [x * x, x * y, y * y, x * z, y * z, z * z]).collect();
+        (rows, InformationSet::from_packed(3, table).unwrap())
+    }
+
+    #[test]
+    fn a_sample_leads_to_as_good_a_selection_as_all() {
+        let (rows, candidates) = many();
+        let function = InformationFunction::variance(&DMatrix::identity(3, 3));
+        let term = Term { candidates: &candidates, prior: None, function: &function, share: 1.0 };
+        let constraints =
+            Constraints { required: vec![9999], separations: vec![Separation::of(&rows, 0.2)], ..Default::default() };
+        let instance = Instance::constrained(&[term], 8, constraints).unwrap();
+        let sampled = sample(&instance).unwrap();
+        assert!(sampled.place(9999).is_some() && sampled.place(9998).is_some() && sampled.place(9997).is_none());
+        let (of_sample, of_all) = (improved_sample(&instance).unwrap(), improved_greedy(&instance).unwrap());
+        assert!(of_sample.contains(&9999) && of_sample.len() == 8);
+        for (c, &i) in of_sample.iter().enumerate() {
+            assert!(instance.rules().allows(&of_sample[..c], None, i));
+        }
+        let value = |selected: &Vec<usize>| instance.log_value(selected).unwrap();
+        assert!((value(&of_sample) - value(&of_all)).abs() < 0.01, "{} {}", value(&of_sample), value(&of_all));
+    }
+
+    #[test]
+    fn many_candidates_are_all_chosen_from() {
+        let (_, candidates) = many();
+        let instance = Instance::new(&candidates, None, &InformationFunction::Determinant, 8).unwrap();
+        let found = best(&instance, &RelaxationSettings::default(), 0).unwrap();
+        let efficiency = found.relaxation.certificate.efficiency(found.log_value);
+        assert!(efficiency > 0.99, "{efficiency}");
+        assert!(found.selected.iter().any(|i| i % 2 == 1), "{:?}", found.selected);
+    }
 }

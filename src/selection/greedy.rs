@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::error::SelectionError;
-use super::instance::{EFFORT, Instance, packing};
+use super::instance::{EFFORT, Instance, Part, packing};
 
 /// Information assumed before the first pick, as a share of k average views: keeps log Φ finite until the picks
 /// determine every parameter, and too little to weigh once they do.
@@ -17,6 +17,9 @@ const MOST_GROWTH: f64 = 2.0;
 
 /// Candidates evaluated first in each step, so that the bound can spare the rest.
 const PROBES: usize = 64;
+
+/// Candidates of an even sample, at least; of twice as many one is drawn.
+const SAMPLE: usize = 50_000;
 
 /// Candidates evaluated by one task.
 pub(super) const EVALUATED_PER_TASK: usize = 128;
@@ -44,6 +47,24 @@ pub fn greedy(instance: &Instance) -> Result<Vec<usize>, SelectionError> {
 pub(super) fn start(instance: &Instance) -> Result<Vec<usize>, SelectionError> {
     let picked = picks(instance)?;
     if picked.len() == instance.count() { Ok(picked) } else { completed(instance, &picked) }
+}
+
+/// An even sample of the candidates, where they are many: to begin in, for what looks at all of them afterwards.
+pub(super) fn sample<'a>(instance: &'a Instance<'a>) -> Option<Part<'a>> {
+    (instance.len() > 2 * SAMPLE).then(|| Part::new(instance, (0..instance.len()).step_by(instance.len() / SAMPLE)))
+}
+
+/// As [`start`], among a [`sample`] where there is one and it does.
+pub(super) fn start_of_sample(instance: &Instance) -> Result<Vec<usize>, SelectionError> {
+    if let Some(part) = sample(instance) {
+        let of_part = part.instance();
+        if let Ok(picked) = start(&of_part)
+            && !of_part.is_singular(&picked)
+        {
+            return Ok(part.members(&picked));
+        }
+    }
+    start(instance)
 }
 
 /// An allowed set with as many of the first `picked` as a search finds one for; the required ones come first among them.

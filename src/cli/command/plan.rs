@@ -17,7 +17,7 @@ use crate::cli::output::pose_table::pose_table;
 use crate::cli::output::verdict::Verdict;
 use crate::cli::output::{Screen, grouped, short, table, wrapped};
 use crate::cli::{TableFormat, trials};
-use crate::plan::assess::{median_choice, verify};
+use crate::plan::assess::{KMEANS_RUNS, median_choice, verify};
 use crate::plan::choose::{Chooser, decide, plan_survey};
 use crate::plan::document::{
     Document, Plan, RobustnessDocument, Run, RunSeconds, TrialDocument, Verification, WorstLoss, views_csv,
@@ -53,9 +53,6 @@ pub(crate) struct PlanArguments {
     #[arg(long, value_name = "FORMAT")]
     views: Option<TableFormat>,
 }
-
-/// Seeds of the k-means runs that the summary sets beside the plan.
-const BASELINE_SEEDS: usize = 5;
 
 pub(crate) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<Verdict, Failure> {
     let start = Instant::now();
@@ -124,7 +121,7 @@ pub(crate) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<Verd
         screen.text(&format!(
             "{}\n\n{}\n{}\n\n{}",
             wrapped(&headline(&plan, verified.as_ref())),
-            summary(&problem, &survey, &chooser, &plan, verified.as_ref())?,
+            summary(&problem, &survey, &chooser, &plan, &reported, verified.as_ref())?,
             collision(&problem, &survey, &plan),
             wrapped(&written),
         ))?;
@@ -238,6 +235,7 @@ fn summary(
     survey: &Survey,
     chooser: &Chooser,
     plan: &Plan,
+    reported: &Reported,
     verified: Option<&MonteCarlo>,
 ) -> Result<String, Failure> {
     let counts = &plan.survey;
@@ -270,20 +268,18 @@ fn summary(
         .map(|i| vec![intrinsics.names[i].clone(), short(intrinsics.nominal[i]), short(intrinsics.sigma[i])])
         .collect();
 
-    let clustered = |method: Method| -> Result<String, Failure> {
-        let (choice, _) = median_choice(chooser, method, plan.count, plan.seed, BASELINE_SEEDS)?;
-        Ok(short(choice.map_error))
-    };
     let swept = survey.views.len() - survey.off_grid;
     let compared = if plan.count > swept {
         String::new()
     } else {
+        let on_joints = reported.of_kmeans_on_joints().unwrap_or(f64::INFINITY);
+        let (on_positions, _) = median_choice(chooser, Method::KMeansPositions, plan.count, plan.seed, KMEANS_RUNS)?;
         format!(
             "{} k-means poses of {} views: map error {} px (clustered on joints), {} px (on camera positions{}).",
             plan.count,
             grouped(swept),
-            clustered(Method::KMeansJoints)?,
-            clustered(Method::KMeansPositions)?,
+            short(on_joints),
+            short(on_positions.map_error),
             if problem.constraints.allow_all() { "" } else { "; constraints aside" },
         )
     };

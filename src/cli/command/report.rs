@@ -19,6 +19,7 @@ use crate::plan::document::{
     StudyDocument, Verification,
 };
 use crate::plan::results::{add_results, probe, write_atomically};
+use crate::problem::Method;
 use crate::report::{
     PAGE_MARK, PlanDocuments, calibration_page, comparison_page, design_page, plan_page, study_page, verification_page,
 };
@@ -141,6 +142,11 @@ impl Reported {
     pub(super) fn beside(path: &Path, plan: &Plan, chooser: &Chooser, selected: &[usize]) -> Result<Self, Failure> {
         let verification = Verification::read(path.parent().unwrap_or(Path::new("")), plan);
         Self::new(plan, chooser, selected, verification)
+    }
+
+    /// Map error of as many poses by k-means on joints, in px.
+    pub(super) fn of_kmeans_on_joints(&self) -> Option<f64> {
+        self.review.others.iter().find(|other| other.method == Method::KMeansJoints.name())?.map_error_px
     }
 
     pub(super) fn documents<'a>(&'a self, plan: &'a Plan) -> Result<PlanDocuments<'a>, Failure> {

@@ -19,5 +19,5 @@ pub use locate::LocateError;
 pub use next::{Proposal, Rehearsal, Request, next};
 pub use polish::{Polished, polish};
 pub use reach::reach_starts;
-pub use review::review;
+pub use review::{KMEANS_RUNS, review};
 pub use verify::{VerifyError, verify};

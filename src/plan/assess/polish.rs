@@ -2,6 +2,8 @@
 //!
 //! A plan that was free to leave the grid is polished already, and gains next to nothing; nothing is proven of what comes out.
 
+use std::sync::Arc;
+
 use crate::feasibility::View;
 use crate::plan::choose::{Chooser, Moved, PlanError, PolishSettings, Poses, moved};
 use crate::plan::document::{
@@ -9,7 +11,6 @@ use crate::plan::document::{
 };
 use crate::plan::survey::SurveyError;
 use crate::problem::Problem;
-use crate::selection::Constraints;
 use crate::selection::packed::unpack;
 
 /// Poses off the grid.
@@ -106,7 +107,7 @@ fn shares(chooser: &Chooser, poses: &Poses) -> Result<Vec<f64>, PlanError> {
     let matrices: Vec<Vec<f64>> = poses.information().cloned().collect();
     let objective = chooser.objective().on(&matrices);
     let all: Vec<usize> = (0..matrices.len()).collect();
-    let instance = objective.instance(all.len(), Constraints::default()).map_err(|error| chooser.explain(error))?;
+    let instance = objective.instance(all.len(), &Arc::default()).map_err(|error| chooser.explain(error))?;
     Ok(match instance.gradient_at(&instance.total(&all)) {
         Some(gradient) => instance.scores_of(&gradient.y, &all),
         None => vec![f64::NAN; all.len()],

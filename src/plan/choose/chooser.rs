@@ -1,6 +1,7 @@
 //! Choosing poses from a survey by any method, with the certificate that goes with the choice.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
@@ -15,7 +16,7 @@ use crate::plan::survey::Survey;
 use crate::problem::{Accuracy, Goal, Method, Problem};
 use crate::selection::packed::{pack, packed_len, unpack};
 use crate::selection::{
-    Best, Certificate, Constraints, Fewest, InformationFunction, Instance, NotEnough, RelaxationSettings, Search,
+    Best, Certificate, Fewest, InformationFunction, Instance, NotEnough, RelaxationSettings, Rules, Search,
     SearchProgress, SelectionError, best, best_from_known, fewest, greedy, improved_greedy, relax_from_greedy, search,
     start_of_search,
 };
@@ -25,7 +26,7 @@ pub struct Chooser<'a> {
     problem: &'a Problem,
     survey: &'a Survey,
     objective: Objective<'a>,
-    constraints: Constraints,
+    rules: Arc<Rules>,
     settings: RelaxationSettings,
     /// What is known already, in the set-up as stated and in each scenario.
     known: Vec<Known>,
@@ -58,7 +59,9 @@ impl<'a> Chooser<'a> {
             problem,
             survey,
             objective,
-            constraints: constraints(problem, survey)?,
+            rules: Arc::new(
+                Rules::new(constraints(problem, survey)?, survey.views.len()).map_err(PlanError::Selection)?,
+            ),
             settings: RelaxationSettings { tolerance: problem.selection.tolerance, ..RelaxationSettings::default() },
             known,
         })
@@ -179,7 +182,7 @@ impl<'a> Chooser<'a> {
         observe: &mut dyn FnMut(&SearchProgress) -> ControlFlow<()>,
     ) -> Result<(Choice, Fewest), PlanError> {
         let most = self.survey.views.len();
-        let instance = self.instance(most.min(self.constraints.required.len().max(1)))?;
+        let instance = self.instance(most.min(self.rules.required.len().max(1)))?;
         let node_limit = self.problem.selection.node_limit;
         let found = fewest(&instance, 0.0, most, &self.settings, seed, node_limit, observe);
         let found = found.map_err(|error| match error {
@@ -389,7 +392,7 @@ impl<'a> Chooser<'a> {
         if count > views {
             return Err(PlanError::TooFewViews { count, views });
         }
-        self.objective.instance(count, self.constraints.clone()).map_err(|e| self.explain(e))
+        self.objective.instance(count, &self.rules).map_err(|e| self.explain(e))
     }
 
     pub(crate) fn explain(&self, error: SelectionError) -> PlanError {

@@ -1,6 +1,7 @@
 //! The bound over all joint values.
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use super::choice::Choice;
 use super::chooser::Chooser;
@@ -8,7 +9,7 @@ use super::error::PlanError;
 use super::off_grid::LocalSearch;
 use crate::continuum::{ContinuumEnd, ContinuumProgress, Greatest};
 use crate::selection::packed::dot;
-use crate::selection::{Certificate, Constraints, Gradient, RelaxationSettings, relax};
+use crate::selection::{Certificate, Gradient, RelaxationSettings, relax};
 
 /// Views of the greatest scores among which the matrices of the bound are sought, beside those off the grid.
 const COLUMNS: usize = 60;
@@ -75,7 +76,7 @@ impl Chooser<'_> {
         let search = LocalSearch::new(problem, survey, objective);
         let matrices = places.iter().filter_map(|&i| Some(search.candidate(&survey.views[i])?.information));
         let repeated = objective.on(&matrices.collect::<Vec<_>>()).known_share(1.0 / count as f64);
-        let relaxed = repeated.instance(1, Constraints::default()).map_err(|error| self.explain(error))?;
+        let relaxed = repeated.instance(1, &Arc::default()).map_err(|error| self.explain(error))?;
         let all: Vec<usize> = (0..relaxed.len()).collect();
         let fine = RelaxationSettings { tolerance: GAP, ..RelaxationSettings::default() };
         let relaxation = relax(&relaxed, &all, &fine).map_err(|error| self.explain(error))?;

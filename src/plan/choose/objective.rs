@@ -1,6 +1,7 @@
 //! What is optimised: the problem's criteria on the survey's views, in the terms of [`selection`](crate::selection).
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -12,7 +13,7 @@ use crate::plan::survey::{Scenario, Scene, Survey, SurveyError};
 use crate::problem::{Accuracy, Goal, Problem, RobustGoal};
 use crate::selection::InformationSet;
 use crate::selection::packed::{pack, packed_len, unpack};
-use crate::selection::{Constraints, InformationFunction, Instance, SelectionError, Term};
+use crate::selection::{InformationFunction, Instance, Rules, SelectionError, Term};
 use crate::target::Warp;
 
 /// Criteria, each with its share, on the views of a survey, in every scenario that the plan must withstand.
@@ -206,11 +207,11 @@ impl<'a> Objective<'a> {
         self
     }
 
-    /// The problem of choosing `count` views.
+    /// The problem of choosing `count` views under rules of them all.
     ///
     /// # Errors
     /// As [`Instance::constrained`].
-    pub(crate) fn instance(&self, count: usize, constraints: Constraints) -> Result<Instance<'_>, SelectionError> {
+    pub(crate) fn instance(&self, count: usize, rules: &Arc<Rules>) -> Result<Instance<'_>, SelectionError> {
         let mut scenarios: Vec<Vec<Term<'_>>> = Vec::with_capacity(self.scenarios);
         for terms in self.apart() {
             let terms = terms.iter().map(|term| Term {
@@ -221,7 +222,7 @@ impl<'a> Objective<'a> {
             });
             scenarios.push(terms.collect());
         }
-        Instance::of_scenarios(&scenarios, count, constraints)
+        Instance::under(&scenarios, count, Arc::clone(rules))
     }
 
     /// log Φ of the views `selected`, whatever the constraints; −∞ if they leave a combination undetermined.

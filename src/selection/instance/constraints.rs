@@ -155,8 +155,8 @@ pub(crate) struct Rules {
 }
 
 impl Rules {
-    /// Checks constraints on selections of `count` of `candidates`.
-    pub(crate) fn new(constraints: Constraints, candidates: usize, count: usize) -> Result<Self, SelectionError> {
+    /// Checks constraints on selections of so many candidates.
+    pub(crate) fn new(constraints: Constraints, candidates: usize) -> Result<Self, SelectionError> {
         let Constraints { mut required, forbidden, mut caps, separations } = constraints;
         let named = required.iter().chain(&forbidden).chain(caps.iter().flat_map(|cap| &cap.members));
         if let Some(&candidate) = named.into_iter().find(|&&i| i >= candidates) {
@@ -207,12 +207,17 @@ impl Rules {
             }
         }
         let caps_of = Lists::of_caps(&caps, candidates);
-        let rules = Self { required, open, caps, given, caps_of, separations };
-        let available = rules.required.len() + (0..candidates).filter(|&i| rules.is_open(i)).count();
-        if count > available || count < rules.required.len() {
-            return Err(SelectionError::Allowed { count, required: rules.required.len(), available });
+        Ok(Self { required, open, caps, given, caps_of, separations })
+    }
+
+    /// Checks that `count` of so many candidates may be selected, caps and separations aside.
+    pub(crate) fn check_count(&self, count: usize, candidates: usize) -> Result<(), SelectionError> {
+        let required = self.required.len();
+        let available = required + (0..candidates).filter(|&i| self.is_open(i)).count();
+        if count == 0 || count < required || count > available {
+            return Err(SelectionError::Allowed { count, required, available });
         }
-        Ok(rules)
+        Ok(())
     }
 
     /// The same rules for `members`, ascending, the required ones among them, numbered by their places.

@@ -19,7 +19,7 @@ use super::InformationSet;
 use super::error::SelectionError;
 use super::function::{Gradient, InformationFunction};
 use super::packed::{RESOLUTION, cholesky, dual, packed_len, unpack, whiten};
-use constraints::Rules;
+pub(crate) use constraints::Rules;
 
 /// Choose `count` of the candidates so that Φ of their total information is greatest.
 ///
@@ -131,6 +131,12 @@ impl<'a> Instance<'a> {
         count: usize,
         constraints: Constraints,
     ) -> Result<Self, SelectionError> {
+        let candidates = scenarios.iter().flatten().next().map_or(0, |term| term.candidates.len());
+        Self::under(scenarios, count, Arc::new(Rules::new(constraints, candidates)?))
+    }
+
+    /// As [`Instance::of_scenarios`], under rules of so many candidates.
+    pub(crate) fn under(scenarios: &[Vec<Term<'a>>], count: usize, rules: Arc<Rules>) -> Result<Self, SelectionError> {
         let terms = || scenarios.iter().flatten();
         let candidates: Vec<usize> = terms().map(|term| term.candidates.len()).collect();
         let n = candidates.first().copied().unwrap_or(0);
@@ -163,7 +169,7 @@ impl<'a> Instance<'a> {
             first = place.end;
             place
         });
-        let rules = Arc::new(Rules::new(constraints, n, count)?);
+        rules.check_count(count, n)?;
         let instance = Self { blocks, scenarios: places.collect(), softness: 0.0, count, rules };
         let everything = instance.everything();
         if instance.log_value_at(&everything) == f64::NEG_INFINITY {
@@ -204,10 +210,7 @@ impl<'a> Instance<'a> {
     /// # Errors
     /// When so many cannot be selected.
     pub fn with_count(&self, count: usize) -> Result<Self, SelectionError> {
-        let (required, available) = (self.rules.required.len(), (0..self.len()).filter(|&i| self.is_open(i)).count());
-        if count == 0 || count < required || count > required + available {
-            return Err(SelectionError::Allowed { count, required, available: required + available });
-        }
+        self.rules.check_count(count, self.len())?;
         Ok(Self { count, ..self.clone() })
     }
 

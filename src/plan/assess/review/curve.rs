@@ -6,43 +6,32 @@ use rayon::prelude::*;
 use crate::information::Criterion;
 use crate::plan::choose::{Chooser, PlanError};
 use crate::plan::document::{BoundPoint, Plan, finite};
-use crate::selection::{Certificate, Gradient, Instance, SelectionError, improved_greedy_of_highest};
+use crate::selection::{Certificate, Gradient, Instance, SelectionError, improved_sample};
 
 /// Quarters of an octave on either side of the plan's number of poses.
 const QUARTERS: i32 = 4;
 
-/// Views that choices are made from, at least, and for each pose: those that score most by the plan's own gradient.
-const AMONG: usize = 3000;
-const AMONG_PER_POSE: usize = 100;
-
 /// Good choices of half to twice as many poses, with the bound on the map error that the plan's matrix proves for each number if the map
 /// error is what the plan optimises.
-pub(super) fn curve(plan: &Plan, chooser: &Chooser, selected: &[usize]) -> Result<Vec<BoundPoint>, PlanError> {
+pub(super) fn curve(plan: &Plan, chooser: &Chooser) -> Result<Vec<BoundPoint>, PlanError> {
     let instance = chooser.instance(plan.count)?;
-    let gradient = instance.gradient(selected).map_err(|error| chooser.explain(error))?;
     let most = chooser.survey().views.len();
     let octave = |quarter: i32| plan.count as f64 * (f64::from(quarter) / f64::from(QUARTERS)).exp2();
     let mut counts: Vec<usize> =
         (-QUARTERS..=QUARTERS).map(|quarter| (octave(quarter).round() as usize).clamp(1, most)).collect();
     counts.dedup();
     let points: Result<Vec<Option<BoundPoint>>, PlanError> =
-        counts.into_par_iter().map(|count| point(plan, chooser, &instance, &gradient.y, count)).collect();
+        counts.into_par_iter().map(|count| point(plan, chooser, &instance, count)).collect();
     Ok(points?.into_iter().flatten().collect())
 }
 
 /// `None` where the constraints do not allow so many.
-fn point(
-    plan: &Plan,
-    chooser: &Chooser,
-    instance: &Instance,
-    y: &[f64],
-    count: usize,
-) -> Result<Option<BoundPoint>, PlanError> {
+fn point(plan: &Plan, chooser: &Chooser, instance: &Instance, count: usize) -> Result<Option<BoundPoint>, PlanError> {
     let Ok(instance) = instance.with_count(count) else { return Ok(None) };
     let map_error = if count == plan.count {
         Some(plan.map_error_px)
     } else {
-        match improved_greedy_of_highest(&instance, y, AMONG.max(AMONG_PER_POSE * count)) {
+        match improved_sample(&instance) {
             Ok(found) => finite(chooser.assess(found).map_error),
             Err(SelectionError::Unobservable { .. } | SelectionError::NoRoom { .. }) => None,
             Err(error) => return Err(chooser.explain(error)),

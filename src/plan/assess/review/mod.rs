@@ -23,8 +23,8 @@ use silhouettes::silhouettes;
 /// Views that are listed at most.
 const MOST_VIEWS: usize = 20_000;
 
-/// Seeds of a clustering, of which the one with the median map error is taken.
-const SEEDS: usize = 5;
+/// Seeds of a clustering that is set beside a plan; the one with the median map error is taken.
+pub const KMEANS_RUNS: usize = 5;
 
 /// Reviews `plan`, whose poses are the views `selected` of the chooser's survey.
 ///
@@ -33,7 +33,7 @@ const SEEDS: usize = 5;
 pub fn review(plan: &Plan, chooser: &Chooser, selected: &[usize]) -> Result<Review, PlanError> {
     let (problem, survey) = (chooser.problem(), chooser.survey());
     let chosen = chooser.assess(selected.to_vec());
-    let (other, _) = median_choice(chooser, Method::KMeansJoints, plan.count, plan.seed, SEEDS)?;
+    let (other, _) = median_choice(chooser, Method::KMeansJoints, plan.count, plan.seed, KMEANS_RUNS)?;
     let covariance = |choice: &Choice| chooser.covariance(&chooser.information(&choice.selected));
     let known = covariance(&chosen);
     let map = |known: &DMatrix<f64>| ErrorGrid::new(&problem.unknowns(), known);
@@ -59,7 +59,7 @@ pub fn review(plan: &Plan, chooser: &Chooser, selected: &[usize]) -> Result<Revi
             map_error_px: finite(other.map_error),
             error_map: covariance(&other).as_ref().map(map),
         }],
-        curve: curve::curve(plan, chooser, selected)?,
+        curve: curve::curve(plan, chooser)?,
         correlation: known.as_ref().map(correlation).unwrap_or_default(),
         error_map: known.as_ref().map(map),
         error_map_before: chooser.covariance(&chooser.information(&[])).as_ref().map(map),
