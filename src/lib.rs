@@ -3,14 +3,15 @@
 //! # The pipeline
 //!
 //! ```text
-//! problem file → models → sweep → feasibility → information → selection → plan
+//! problem file → models → sweep → feasibility → information → selection → motion → plan
 //! ```
 //!
 //! 1. [`sweep`]: forward kinematics of every joint configuration; which optical axes meet the marker zone.
 //! 2. [`feasibility`]: from which of them the camera sees the board, and which the robot can take.
 //! 3. [`information`]: what each view would teach about the camera's intrinsics (Fisher information).
 //! 4. [`selection`]: the k views that together teach most, and a certificate that bounds every other choice.
-//! 5. [`mod@plan`]: the poses, their predicted accuracy, and the files.
+//! 5. [`motion`]: the order in which the arm takes them in least time.
+//! 6. [`mod@plan`]: the poses, their predicted accuracy, and the files.
 //!
 //! ```
 //! use std::path::Path;
@@ -44,7 +45,7 @@
 //! # Modules
 //!
 //! A module imports only from those before it: [`figures`], [`spatial`], [`selection`], [`camera`], [`target`], [`robot`],
-//! [`print`](mod@print), [`sweep`], [`feasibility`], [`information`], [`continuum`], [`calibration`], [`verification`], [`render`],
+//! [`print`](mod@print), [`sweep`], [`feasibility`], [`motion`], [`export`], [`information`], [`continuum`], [`calibration`], [`verification`], [`render`],
 //! [`formats`],
 //! [`problem`], [`mod@plan`], [`experiment`], [`report`], [`cli`]. The stages up to `verification` know no files and no command line; `selection`
 //! knows no robots and no cameras either.
@@ -62,10 +63,12 @@ pub mod camera;
 pub mod cli;
 pub mod continuum;
 pub mod experiment;
+pub mod export;
 pub mod feasibility;
 pub mod figures;
 pub mod formats;
 pub mod information;
+pub mod motion;
 pub mod plan;
 pub mod print;
 pub mod problem;

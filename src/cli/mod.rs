@@ -21,8 +21,8 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
 use arguments::ProblemArguments;
 use command::{
-    board, calibrate, certify, check, compare, completions, design, explain, figures, init, next, noise, plan, polish,
-    reach, render, report, study, sweep, verify,
+    board, calibrate, certify, check, compare, completions, design, explain, export, figures, init, next, noise, plan,
+    polish, reach, render, report, study, sweep, verify,
 };
 use output::Screen;
 use output::failure::Failure;
@@ -88,6 +88,8 @@ enum Command {
     Report(report::ReportArguments),
     /// Draw the plots of a plan, each as a file fit for a paper
     Figures(figures::FiguresArguments),
+    /// Write a plan's poses, in their order, as files that robots' programs read
+    Export(export::ExportArguments),
     /// Measure how far corners scatter, from repeated pictures of still scenes
     Noise(noise::NoiseArguments),
     /// Render the picture that each pose of a plan should give
@@ -206,6 +208,7 @@ fn run(command: &Command, screen: &mut Screen) -> Result<Verdict, Failure> {
         Command::Polish(arguments) => polish::run(arguments, screen).map(good),
         Command::Report(arguments) => report::run(arguments, screen).map(good),
         Command::Figures(arguments) => figures::run(arguments, screen).map(good),
+        Command::Export(arguments) => export::run(arguments, screen).map(good),
         Command::Render(arguments) => render::run(arguments, screen).map(good),
         Command::Noise(arguments) => noise::run(arguments, screen).map(good),
         Command::Sweep(arguments) => sweep::run(arguments, screen).map(good),

@@ -13,6 +13,7 @@ mod error;
 mod fault;
 mod goal;
 mod method;
+mod motion;
 mod note;
 mod resolve;
 mod robust;
@@ -28,6 +29,7 @@ pub use error::{ProblemError, SourceFile};
 pub use fault::{Allowed, Fault, Reason};
 pub use goal::{Accuracy, Goal, SelectionSettings};
 pub use method::Method;
+pub use motion::{Home, MotionSettings};
 pub use note::Note;
 pub use robust::{RobustGoal, Robustness, Uncertainty};
 pub use schema::schema_json;
@@ -90,6 +92,8 @@ pub struct Problem {
     pub selection: SelectionSettings,
     /// Which sets of poses are allowed.
     pub constraints: PoseConstraints,
+    /// How the robot goes from pose to pose.
+    pub motion: MotionSettings,
     /// Folder for the plan, relative to the working directory.
     pub output: PathBuf,
     /// What was read otherwise than it stands in the files, put right or left out.

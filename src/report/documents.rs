@@ -58,7 +58,7 @@ impl<'a> PlanDocuments<'a> {
         if let Some(key) = dangling(&review.scene) {
             return Err(Disagreement::Names(key));
         }
-        if !plan.poses.iter().map(|pose| pose.id).eq(review.poses.iter().map(|pose| pose.id)) {
+        if !plan.in_order().iter().map(|pose| pose.id).eq(review.poses.iter().map(|pose| pose.id)) {
             return Err(Disagreement::Poses);
         }
         Ok(Self { plan, review, explanation, verification })

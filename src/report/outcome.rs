@@ -1,7 +1,7 @@
 //! What a plan, a study or a design comes to, in words: the same in the terminal and on its page.
 
 use crate::figures::{grouped, short};
-use crate::plan::document::{AxisMeans, ContinuumDocument, DesignDocument, Plan, StudyDocument};
+use crate::plan::document::{AxisMeans, ContinuumDocument, DesignDocument, Plan, StudyDocument, TourDocument};
 
 /// What was chosen, and what is proven of it.
 pub fn outcome(plan: &Plan) -> String {
@@ -72,6 +72,27 @@ fn anywhere(plan: &Plan, continuum: &ContinuumDocument) -> String {
         "At whatever joint values, no {count} poses can give more than {:.2} % more information: certified efficiency \
          {efficiency:.4}{reached}.",
         spare(*efficiency)
+    )
+}
+
+/// What the poses take in the order of their tour.
+pub fn on_the_way(tour: &TourDocument) -> String {
+    let TourDocument { moving_s, least_moving_s, moving_by_id_s, total_s, dwell_s, assumed_speeds, .. } = tour;
+    let gap = 100.0 * (1.0 - least_moving_s / moving_s);
+    // Hundredths of a percent are rounding to who waits.
+    let best = if *moving_s == 0.0 || gap < 0.01 {
+        "no order takes less".to_owned()
+    } else {
+        format!("no order takes more than {gap:.2} % less")
+    };
+    let assumed = if assumed_speeds.is_empty() {
+        String::new()
+    } else {
+        format!(" The speed of {} is not stated: a slow one is assumed.", assumed_speeds.join(", "))
+    };
+    format!(
+        "In this order the moves take {moving_s:.1} s, by ascending id {moving_by_id_s:.1} s; {best}. With {dwell_s} s at each pose, \
+         {total_s:.0} s in all.{assumed}"
     )
 }
 

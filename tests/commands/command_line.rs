@@ -92,7 +92,9 @@ fn plan_says_and_writes_what_it_found() {
     assert_eq!(header[5..9], joints.map(|name| format!("joint_{name}_deg")));
     assert_eq!(header[9], "camera_x_m");
     assert_eq!(rows.len(), 10);
-    for (row, pose) in rows.iter().zip(poses) {
+    let in_order = plan["tour"]["order"].as_array().unwrap().iter();
+    let in_order = in_order.map(|id| poses.iter().find(|pose| pose["id"] == *id).unwrap());
+    for (row, pose) in rows.iter().zip(in_order) {
         assert_eq!(row[0], pose["id"].as_f64().unwrap());
         assert_eq!(row[1], pose["joints_rad"][0].as_f64().unwrap());
         assert_eq!(row[5], pose["joints_deg"][0].as_f64().unwrap());

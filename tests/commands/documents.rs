@@ -223,6 +223,7 @@ fn every_document_is_as_its_schema_says() {
         "study cell study.toml 0 -o st",
         "study run study.toml -o st",
         "check design.toml",
+        "export out/plan.json --to csv",
         "design design.toml -o de",
     ] {
         held.hold(&desk.json(&format!("{line} --json")));

@@ -10,6 +10,7 @@ mod desk;
 mod determinism;
 mod documents;
 mod explain_and_polish;
+mod export;
 mod next_poses;
 mod noise;
 mod off_grid;

@@ -337,6 +337,13 @@ const WRONG: &[(&str, &str, &str)] = &[
         "count = 10",
         "accuracy = { map_error_px = 2 }\n\n[robust]\njoint_zero_deg = 1\ngoal = \"mean\"",
     ),
+    ("home_of_one_joint", "[selection]", "[motion]\nhome = [0]\n\n[selection]"),
+    ("home_beyond_a_limit", "[selection]", "[motion]\nhome = [0, 700]\n\n[selection]"),
+    ("faster_than_the_robot", "[selection]", "[motion]\nspeed_percent = 120\n\n[selection]"),
+    ("no_time_at_all", "[selection]", "[motion]\ndwell_s = -1\n\n[selection]"),
+    ("acceleration_zero", "[selection]", "[motion]\nmax_acceleration_deg_s2 = { turn = 0 }\n\n[selection]"),
+    ("acceleration_in_another_unit", "[selection]", "[motion]\nmax_acceleration_deg_s2 = { slide = 5 }\n\n[selection]"),
+    ("acceleration_of_no_joint", "[selection]", "[motion]\nmax_acceleration_mm_s2 = { slid = 5 }\n\n[selection]"),
     ("empty_name", "name = \"Two joints\"", "name = \" \""),
     ("empty_folder", "[selection]", "[output]\nfolder = \"\"\n\n[selection]"),
 ];

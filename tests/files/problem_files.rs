@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 use calipose::feasibility::feasible_views;
+use calipose::motion::JointLimits;
 use calipose::problem::{Overrides, Problem, STARTER, schema_json};
 use calipose::robot::{JointKind, Shape};
 use calipose::sweep::sweep;
@@ -184,6 +185,23 @@ fn prismatic_joints_modified_tables_and_poses() {
     let X_BC = problem.robot.camera_pose(&[0.2]);
     assert!((X_BC.translation.vector - Vector3::new(0.1, -0.25, 0.01)).norm() < 1e-12, "{X_BC}");
     assert!((X_BC.rotation * Vector3::x() - Vector3::new(0.0, -1.0, 0.0)).norm() < 1e-12, "{X_BC}");
+}
+
+#[test]
+fn joints_without_a_speed_are_slow_and_reach_it_in_a_second() {
+    let text = std::fs::read_to_string("problems/servosila-engineer.toml").unwrap();
+    let text = text.replace("d_mm = 60\n", "d_mm = 60\nmax_speed_deg_s = 90\n");
+    let motion = load(
+        &(text + "\n[motion]\nspeed_percent = 50\nmax_acceleration_deg_s2 = { elbow = 20 }\nhome = [0, 0, -90, 45]\n"),
+    )
+    .motion;
+    let in_degrees =
+        |limits: &JointLimits| [limits.speed, limits.acceleration].map(|x| (x.to_degrees() * 1e9).round() / 1e9);
+    let limits: Vec<[f64; 2]> = motion.limits().iter().map(in_degrees).collect();
+    assert_eq!(limits, [[5.0, 5.0], [5.0, 5.0], [5.0, 10.0], [45.0, 45.0]]);
+    assert_eq!((motion.assumed, motion.dwell), (vec![0, 1, 2], 1.0));
+    let home = motion.home.unwrap();
+    assert!(home.returns && home.q == [0.0, 0.0, -90f64.to_radians(), 45f64.to_radians()]);
 }
 
 #[test]

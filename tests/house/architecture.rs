@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::reading::{House, files_below, in_circles, is_word, without_comments};
 
 /// The modules; each may use those above it.
-const ORDER: [&str; 20] = [
+const ORDER: [&str; 22] = [
     "figures",
     "spatial",
     "selection",
@@ -16,6 +16,8 @@ const ORDER: [&str; 20] = [
     "print",
     "sweep",
     "feasibility",
+    "motion",
+    "export",
     "information",
     "continuum",
     "calibration",
@@ -30,7 +32,7 @@ const ORDER: [&str; 20] = [
 ];
 
 /// The files and rooms in a room; each may use those before it, and all may use the room's own `mod.rs`.
-const ROOMS: [(&str, &[&str]); 37] = [
+const ROOMS: [(&str, &[&str]); 43] = [
     (
         "selection",
         &[
@@ -95,6 +97,12 @@ const ROOMS: [(&str, &[&str]); 37] = [
             "diversity",
         ],
     ),
+    ("motion", &["timing", "tour"]),
+    ("export", &["error", "program", "text", "csv", "ros", "languages", "format"]),
+    ("export::text", &["number", "comment", "name"]),
+    ("export::ros", &["yaml", "goals", "joint_trajectory", "moveit_calibration", "robot_calibration"]),
+    ("export::languages", &["axes", "urscript", "rapid", "krl", "fanuc_ls"]),
+    ("motion::tour", &["costs", "circuit", "bound", "cycle", "exact", "search"]),
     ("continuum", &["lanes", "taylor", "twist", "quadratic", "image", "frustum", "sight", "score", "cell", "search"]),
     (
         "calibration",
@@ -142,6 +150,7 @@ const ROOMS: [(&str, &[&str]); 37] = [
             "method",
             "disturbance",
             "robust",
+            "motion",
             "constraints",
             "fault",
             "error",

@@ -15,4 +15,5 @@ mod pictures;
 mod robust;
 mod sweep_table_iii;
 mod tampered_plans;
+mod tour;
 mod warp;

@@ -120,7 +120,7 @@ pub(crate) fn run(arguments: &NextArguments, screen: &mut Screen) -> Result<Verd
         "{known}\n{} more {bring} it to {} px:\n\n{}",
         proposal.poses.len(),
         short(proposal.expected),
-        pose_table(&problem, &proposal.poses),
+        pose_table(&problem, &proposal.poses.iter().collect::<Vec<_>>()),
     );
     text += &simulated(&proposal);
     text += &repeated(&document.repeats);

@@ -25,7 +25,7 @@ use crate::plan::document::{
 use crate::plan::results::{PLAN_FILE, RUN_FILE, add_results, owner, probe, write_results};
 use crate::plan::survey::Survey;
 use crate::problem::{Method, Problem};
-use crate::report::{outcome, plan_page};
+use crate::report::{on_the_way, outcome, plan_page};
 use crate::verification::{Disturbance, Judgement, MonteCarlo, Weighing};
 
 #[derive(Debug, Args)]
@@ -283,6 +283,7 @@ fn summary(
             if problem.constraints.allow_all() { "" } else { "; constraints aside" },
         )
     };
+    let toured = plan.tour.as_ref().map(|tour| format!("{}\n", on_the_way(tour))).unwrap_or_default();
     let tried = verified.map(|found| format!("{}\n", sentence(found))).unwrap_or_default();
     let unweighted = plan.unweighted.as_ref().map(|unweighted| {
         let map_error = short(unweighted.map_error_px);
@@ -306,9 +307,9 @@ fn summary(
     Ok(format!(
         "{}\n\n{}\n\n{}\n\n{}\n\n{}",
         wrapped(&outcome(plan)),
-        pose_table(problem, &plan.poses),
+        pose_table(problem, &plan.in_order()),
         table(&["intrinsic", "nominal", "predicted sigma"], &rows),
-        wrapped(&format!("{repeated}{tried}{unweighted}{lost}{withstood}{compared}")),
+        wrapped(&format!("{toured}{repeated}{tried}{unweighted}{lost}{withstood}{compared}")),
         wrapped(&found),
     ))
 }

@@ -75,7 +75,7 @@ pub(crate) fn run(arguments: &PolishArguments, screen: &mut Screen) -> Result<()
         found.grid.efficiency,
         found.efficiency_by_grid_bound,
         found.proven,
-        pose_table(problem, &found.poses),
+        pose_table(problem, &found.poses.iter().collect::<Vec<_>>()),
         untested_text(problem).map(|line| format!("{line}\n")).unwrap_or_default(),
         if folder.as_os_str().is_empty() { Path::new(".") } else { folder }.display(),
     ))

@@ -9,6 +9,7 @@ use super::collision::contacts_text;
 use super::short;
 use crate::calibration::{CalibrationError, ScatterError};
 use crate::experiment::{CodesignError, RunError, StoreError};
+use crate::export::ExportError;
 use crate::formats::{FileReadError, ReadError, ReadFault};
 use crate::plan::assess::{CertifyError, VerifyError};
 use crate::plan::choose::{ConstraintError, PlanError};
@@ -86,6 +87,8 @@ pub(crate) enum Failure {
     #[diagnostic(help("{}", print_help(.0)))]
     Print(#[from] PrintError),
     #[error(transparent)]
+    Export(#[from] ExportError),
+    #[error(transparent)]
     Report(#[from] Disagreement),
     #[error("the run would take {needed} of memory; this machine has {total}")]
     #[diagnostic(help("{remedy}"))]
@@ -156,6 +159,7 @@ impl Failure {
             Failure::Unreached { .. } => "unreached",
             Failure::Exists(_) => "exists",
             Failure::Print(_) => "page",
+            Failure::Export(_) => "export",
             Failure::Usage(_) => "command-line",
             Failure::Design(_) => "no-design",
             Failure::OtherDesign { .. } => "other-design",
@@ -181,6 +185,8 @@ impl Failure {
                     }),
                 ..
             }
+            // Another format helps.
+            | Failure::Export(_)
             // Another page or margin helps.
             | Failure::Print(
                 PrintError::TooSmall { .. }

@@ -10,7 +10,7 @@ use crate::robot::Joint;
 
 /// The poses, one a row, under a line that says the units: in full where that fits, with the joints' names abbreviated or without
 /// bars where it does not.
-pub(crate) fn pose_table(problem: &Problem, poses: &[PlannedPose]) -> String {
+pub(crate) fn pose_table(problem: &Problem, poses: &[&PlannedPose]) -> String {
     let joints = &problem.robot.chain.joints;
     let layouts =
         [Layout { names: true, bars: true }, Layout { names: false, bars: true }, Layout { names: false, bars: false }];
@@ -32,7 +32,7 @@ struct Layout {
 const BAR: usize = 6;
 
 impl Layout {
-    fn draw(self, problem: &Problem, poses: &[PlannedPose]) -> String {
+    fn draw(self, problem: &Problem, poses: &[&PlannedPose]) -> String {
         let joints = problem.robot.chain.joints.iter().enumerate();
         let joints = joints.map(|(i, joint)| if self.names { joint.name.clone() } else { format!("j{}", i + 1) });
         let stable = problem.stability.as_ref().map(|_| "margin".into());
@@ -42,7 +42,7 @@ impl Layout {
             std::iter::once("pose".into()).chain(joints).chain(fixed_columns).chain(stable).chain(partly).collect();
         let corners = problem.target.board.corner_count();
         let greatest = poses.iter().map(|pose| pose.share).fold(0.0, f64::max);
-        let row = |pose: &PlannedPose| {
+        let row = |pose: &&PlannedPose| {
             let share = format!("{:.1}", 100.0 * pose.share);
             let share = if self.bars { format!("{} {share:>4}", bar(pose.share / greatest)) } else { share };
             std::iter::once(pose.id.to_string())

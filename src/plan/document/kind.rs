@@ -6,8 +6,8 @@ use schemars::transform::RecursiveTransform;
 use serde_json::Value;
 
 use super::answers::{
-    CalibrationDocument, Certified, ComparisonDocument, Explanation, FiguresDocument, NextDocument, NoiseDocument,
-    PicturesDocument, Verification,
+    CalibrationDocument, Certified, ComparisonDocument, Explanation, ExportDocument, FiguresDocument, NextDocument,
+    NoiseDocument, PicturesDocument, Verification,
 };
 use super::design::{DesignCheckDocument, DesignDocument};
 use super::header::Document;
@@ -29,7 +29,7 @@ pub struct Kind {
 
 impl Kind {
     /// Every kind, those first that are written beside a plan.
-    pub const ALL: [Self; 26] = [
+    pub const ALL: [Self; 27] = [
         Self::of::<Plan>(),
         Self::of::<Run>(),
         Self::of::<Verification>(),
@@ -39,6 +39,7 @@ impl Kind {
         Self::of::<Review>(),
         Self::of::<FiguresDocument>(),
         Self::of::<PicturesDocument>(),
+        Self::of::<ExportDocument>(),
         Self::of::<Certified>(),
         Self::of::<ComparisonDocument>(),
         Self::of::<CalibrationDocument>(),

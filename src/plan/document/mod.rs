@@ -14,11 +14,11 @@ mod views;
 
 pub use answers::{
     BoardWarp, CalibratedView, CalibrationDocument, Certified, CombinationTerm, ComparisonDocument,
-    ComparisonEquivalent, ComparisonRow, CornerResidual, CurvePoint, EstimatedIntrinsics, Explanation, FailedTrial,
-    FigureFile, FiguresDocument, LeastKnown, MapErrorCheck, MapErrorOverImage, MeasuredNoise, MeasuredRow,
-    NextDocument, NoiseDocument, NotChecked, OutlierDocument, ParameterCheck, PictureFile, PictureSize,
-    PicturesDocument, PoseExplanation, RequestedAccuracy, ResidualLengths, RobustnessPrice, SimulatedMapError,
-    SparePose, Suffering, Verification,
+    ComparisonEquivalent, ComparisonRow, CornerResidual, CurvePoint, EstimatedIntrinsics, Explanation, ExportDocument,
+    ExportedFile, FailedTrial, FigureFile, FiguresDocument, LeastKnown, MapErrorCheck, MapErrorOverImage,
+    MeasuredNoise, MeasuredRow, NextDocument, NoiseDocument, NotChecked, OutlierDocument, ParameterCheck, PictureFile,
+    PictureSize, PicturesDocument, PoseExplanation, RequestedAccuracy, ResidualLengths, RobustnessPrice,
+    SimulatedMapError, SparePose, Suffering, Verification,
 };
 pub use design::{
     DesignCheckDocument, DesignDocument, DesignMap, DesignProof, FreeValue, Sensitivity, SensitivityPoint, SetUp,
@@ -32,7 +32,7 @@ pub use plan::{
     AccuracyDocument, CertificateDocument, CertificateTerm, Certificates, CollisionDocument, ContinuumDocument,
     FewestDocument, GridPlan, Intrinsics, PROVEN, Plan, PlanReadError, PlannedPose, PlannedPoses, PolishedPlan, Pose,
     Price, RobustnessDocument, Run, RunProblem, RunSeconds, ScenarioDocument, SearchDocument, SeenView, SurveyCounts,
-    TrialDocument, UnweightedAccuracy, WorstLoss, joints_deg,
+    TourDocument, TrialDocument, UnweightedAccuracy, WorstLoss, joints_deg,
 };
 pub use problem::{
     BoardDescription, BoardDocument, CameraSights, CheckDocument, ClosePair, DiagnosisDocument, InitDocument,

@@ -53,7 +53,8 @@ impl Check<'_, '_> {
         }
     }
 
-    fn configuration(&mut self, q: &At<Vec<f64>>, joints: &[Joint]) -> Vec<f64> {
+    /// Joint values in degrees (mm), one for each joint.
+    pub(super) fn configuration(&mut self, q: &At<Vec<f64>>, joints: &[Joint]) -> Vec<f64> {
         let (found, expected) = (q.value.len(), joints.len());
         if found != expected && !joints.is_empty() {
             self.fault(&q.path, Reason::Length { found, expected, per: "joint" });

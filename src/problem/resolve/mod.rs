@@ -4,6 +4,7 @@ mod camera;
 mod check;
 mod constraints;
 mod estimate;
+mod motion;
 mod noise;
 mod robot;
 mod robust;
@@ -69,6 +70,7 @@ pub(super) fn resolve(document: &Document, file: &schema::File, path: &Path) -> 
     let joints = robot.as_ref().map(|robot| robot.chain.joints.as_slice()).unwrap_or_default();
     let constraints = check.constraints(&key!(file, constraints), joints);
     check.unconstrained_method(selection.goal.method(), &key!(file, constraints), &constraints);
+    let motion = check.motion(&key!(file, motion), joints);
     let refinement = check.refinement(&sweep, joints);
     if let (Some(space), Some(count)) = (&space, selection.goal.count()) {
         let path = key!(file, selection.count).path;
@@ -95,6 +97,7 @@ pub(super) fn resolve(document: &Document, file: &schema::File, path: &Path) -> 
             robust,
             selection,
             constraints,
+            motion,
             output,
             notes: check.notes,
         }),

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::bodies::{Collision, Scene, Stability};
 use super::camera::Camera;
+use super::motion::Motion;
 use super::robot::Robot;
 use super::robust::Robust;
 use super::selection::{Constraints, Selection};
@@ -53,6 +54,9 @@ pub(crate) struct File {
     /// Which sets of poses are allowed.
     #[serde(default)]
     pub(crate) constraints: Constraints,
+    /// How the robot goes from pose to pose.
+    #[serde(default)]
+    pub(crate) motion: Motion,
     /// Where the plan goes.
     #[serde(default)]
     pub(crate) output: Output,

@@ -76,6 +76,9 @@ fn head<'a>(documents: &PlanDocuments<'a>) -> Head<'a> {
         },
         figure("Certified efficiency", format!("{:.3}", plan.efficiency), ""),
     ];
+    figures.extend(plan.tour.as_ref().map(|tour| {
+        figure("Time", format!("{:.0} s", tour.total_s), &format!("of which {:.0} s on the way", tour.moving_s))
+    }));
     figures.extend(review.others.iter().map(|other| {
         let name = format!("{} poses by {}", other.ids.len(), other.method);
         other
@@ -210,7 +213,7 @@ fn poses(plan: &Plan, review: &Review, explanation: &Explanation) -> Markup {
         }
         Row { pose: Some(pose.id), cells }
     };
-    let rows: Vec<Row> = review.poses.iter().zip(&plan.poses).map(row).collect();
+    let rows: Vec<Row> = review.poses.iter().zip(plan.in_order()).map(row).collect();
     table("Poses", &header, &rows)
 }
 
@@ -258,5 +261,6 @@ fn made(plan: &Plan) -> Markup {
         ("axes in the zone", grouped(survey.axis_inside)),
         ("axes on its edge", grouped(survey.axis_edge)),
         ("views", grouped(survey.views)),
+        ("views off the grid", grouped(survey.off_grid)),
     ])
 }

@@ -13,6 +13,7 @@ mod evidence;
 mod fields;
 mod function;
 mod rules;
+mod tour;
 mod unchecked;
 
 pub use error::{BrokenConstraint, CertifyError};
@@ -32,6 +33,7 @@ use fields::{
     are_those_counts, are_those_in_scenario, are_those_intrinsics, are_those_unweighted, is_by_that_method,
     is_that_pose,
 };
+use tour::takes_that_time;
 use unchecked::{BY_SEARCH, EFFORT, MADE_BY, UNBOUNDED};
 
 /// Numbers that are the same agree to this share, and to what rounding may have moved them beyond.
@@ -121,6 +123,7 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
         fewest,
         joints: _, // by `fit`
         poses,
+        tour,
         off_grid,
     } = plan;
     let mut unchecked = Unchecked::all(&["calipose"], MADE_BY);
@@ -142,6 +145,7 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
     alike("the views off the grid", &off_grid.iter().collect(), &found)?;
     let tested = Some(CollisionDocument::new(problem, &survey.links));
     alike("what was tested for collision", collision, &tested)?;
+    takes_that_time(tour.as_ref(), problem, poses, &mut unchecked)?;
 
     let evidence = Evidence::new(problem, survey)?;
     evidence.rules.allow(&selected, problem, survey)?;

@@ -43,14 +43,14 @@ pub fn review(plan: &Plan, chooser: &Chooser, selected: &[usize]) -> Result<Revi
         header: Review::header(),
         problem: ProblemReference::new(problem),
         views: surveyed(problem, survey, &[selected, &other.selected].concat()),
-        poses: zip(&plan.poses, selected)
-            .zip(1..)
-            .map(|((pose, &i), number)| {
+        poses: zip(plan.in_order(), 1..)
+            .filter_map(|(pose, number)| {
+                let (_, &i) = zip(&plan.poses, selected).find(|(other, _)| other.id == pose.id)?;
                 let view = &survey.views[i];
                 let X_BL = problem.robot.link_poses(&view.q);
                 let bodies = silhouettes(&scene, &problem.camera, view, &X_BL);
                 let nearest = collision.as_ref().and_then(|collision| nearest(&scene, collision, &X_BL));
-                reviewed_pose(pose, number, problem, view, bodies, nearest, &scene.board.pattern_m)
+                Some(reviewed_pose(pose, number, problem, view, bodies, nearest, &scene.board.pattern_m))
             })
             .collect(),
         others: vec![OtherChoice {

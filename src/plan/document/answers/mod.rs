@@ -4,6 +4,7 @@ mod calibration;
 mod certified;
 mod comparison;
 mod explanation;
+mod exported;
 mod figures;
 mod next;
 mod noise;
@@ -19,6 +20,7 @@ pub use comparison::{ComparisonDocument, ComparisonEquivalent, ComparisonRow, Me
 pub use explanation::{
     CombinationTerm, CurvePoint, Explanation, LeastKnown, PoseExplanation, RobustnessPrice, SparePose, Suffering,
 };
+pub use exported::{ExportDocument, ExportedFile};
 pub use figures::{FigureFile, FiguresDocument};
 pub use next::{NextDocument, SimulatedMapError};
 pub use noise::{MeasuredNoise, NoiseDocument};

@@ -8,6 +8,7 @@ mod reading;
 mod robustness;
 mod run;
 mod survey_counts;
+mod tour;
 
 pub use collision::CollisionDocument;
 pub use polished::{GridPlan, PROVEN, PolishedPlan};
@@ -22,6 +23,7 @@ pub use robustness::{RobustnessDocument, ScenarioDocument, SeenView, TrialDocume
 pub use run::{Run, RunProblem, RunSeconds};
 pub use survey_counts::SurveyCounts;
 pub(crate) use survey_counts::rejected_by_name;
+pub use tour::TourDocument;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -88,6 +90,9 @@ pub struct Plan {
     pub joints: Vec<String>,
     /// The poses, by ascending id.
     pub poses: Vec<PlannedPose>,
+    /// The order in which they take least time; plans of older versions do not say.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub tour: Option<TourDocument>,
     /// Joint values, rad (m for prismatic joints), of the views off the grid that the poses were chosen from too; their ids go on
     /// after those of the swept configurations and of those tried around picked poses.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
@@ -177,6 +182,8 @@ impl Plan {
             refutation: proof.refutation.as_ref().map(|refutation| document(&refutation.certificate)),
             nodes: proof.refutation.as_ref().map_or(0, |refutation| refutation.nodes),
         });
+        let poses: Vec<PlannedPose> =
+            poses.map(|(&i, share)| PlannedPose::new(problem, &survey.views[i], share)).collect();
         Ok(Self {
             header: Self::header(),
             problem: ProblemReference::new(problem),
@@ -203,7 +210,8 @@ impl Plan {
             search: decision.search.as_ref().map(SearchDocument::new),
             fewest,
             joints: problem.robot.chain.joints.iter().map(|joint| joint.name.clone()).collect(),
-            poses: poses.map(|(&i, share)| PlannedPose::new(problem, &survey.views[i], share)).collect(),
+            tour: Some(TourDocument::new(problem, &poses, settings.seed)),
+            poses,
             off_grid: survey.off_grid_views().iter().map(|view| view.q.clone()).collect(),
         })
     }
@@ -216,14 +224,21 @@ impl Plan {
         self
     }
 
-    /// The bytes of `plan.csv`: one pose a line under a header, the values of all of `joints` in rad (m) under
+    /// The poses in the order in which to take them: that of the tour, by ascending id in plans without one.
+    pub fn in_order(&self) -> Vec<&PlannedPose> {
+        let Some(tour) = &self.tour else { return self.poses.iter().collect() };
+        let of_id = |id: &usize| self.poses.iter().find(|pose| pose.id == *id);
+        tour.order.iter().filter_map(of_id).collect()
+    }
+
+    /// The bytes of `plan.csv`: one pose a line under a header, in the order in which to take them, the values of all of `joints` in rad (m) under
     /// `joint_<name>_rad` (`_m`), then in degrees (mm) under `joint_<name>_deg` (`_mm`). The last column, `stability_margin_m`,
     /// is there where stability is tested.
     ///
     /// # Errors
     /// Never in practice: the writer writes to memory.
     pub fn to_csv(&self, joints: &[Joint]) -> Result<Vec<u8>, csv::Error> {
-        poses_csv(joints, &self.poses)
+        poses_csv(joints, self.in_order())
     }
 }
 

@@ -88,7 +88,11 @@ impl PlannedPose {
 }
 
 /// Poses as CSV, one a line under a header.
-pub(crate) fn poses_csv(joints: &[Joint], poses: &[PlannedPose]) -> Result<Vec<u8>, csv::Error> {
+pub(crate) fn poses_csv<'p>(
+    joints: &[Joint],
+    poses: impl IntoIterator<Item = &'p PlannedPose>,
+) -> Result<Vec<u8>, csv::Error> {
+    let poses: Vec<&PlannedPose> = poses.into_iter().collect();
     let mut writer = csv::Writer::from_writer(Vec::new());
     let joints = joint_columns(joints, JointKind::unit).chain(joint_columns(joints, JointKind::display_unit));
     let fixed = ["camera_x_m", "camera_y_m", "camera_z_m", "camera_qx", "camera_qy", "camera_qz", "camera_qw"];

@@ -32,7 +32,7 @@ pub struct Review {
     pub scene: Scene,
     /// The views that the plan was chosen from.
     pub views: SurveyedViews,
-    /// The plan's poses, by ascending id.
+    /// The plan's poses, in the order in which to take them.
     pub poses: Vec<ReviewedPose>,
     /// As many poses chosen otherwise.
     pub others: Vec<OtherChoice>,
@@ -76,7 +76,7 @@ pub struct SurveyedViews {
 pub struct ReviewedPose {
     /// Number of the configuration.
     pub id: usize,
-    /// Its number in the plan, from 1.
+    /// Its number in that order, from 1.
     pub label: String,
     /// Joint values, rad (m for prismatic joints).
     pub joints: Vec<f64>,

@@ -1,0 +1,37 @@
+//! A tour of stops as a file that a robot's program reads: text in, text out, nothing written to disk.
+//!
+//! A format stands in a file of its own and is registered in [`ProgramFormat`]: those of ROS in `ros`, those of robots'
+//! controllers in `languages`, a table in `csv`.
+//!
+//! ```
+//! use calipose::export::{Program, ProgramFormat, ProgramJoint, Stop};
+//! use calipose::robot::JointKind;
+//!
+//! let joint = |name: &str| ProgramJoint { name: name.into(), kind: JointKind::Revolute, speed: 2.0, acceleration: 4.0 };
+//! let joints = [joint("waist"), joint("shoulder")];
+//! let stops = [
+//!     Stop { label: "pose 7".into(), q: vec![0.1, -0.5], seconds: 0.0 },
+//!     Stop { label: "pose 3".into(), q: vec![0.4, 0.25], seconds: 2.5 },
+//! ];
+//! let program = Program { name: "two joints", joints: &joints, stops: &stops, home: None, dwell: 1.0, share: 0.5 };
+//! let text = ProgramFormat::MoveItCalibration.write(&program)?;
+//! assert!(text.ends_with("joint_names: [\"waist\", \"shoulder\"]\njoint_values:\n  - [0.1, -0.5]\n  - [0.4, 0.25]\n"));
+//! let refused = ProgramFormat::UrScript.write(&program).unwrap_err();
+//! assert!(refused.to_string().starts_with("the format \"urscript\" takes exactly 6 revolute joints"));
+//! # Ok::<(), calipose::export::ExportError>(())
+//! ```
+
+mod csv;
+mod error;
+mod format;
+mod languages;
+mod program;
+mod ros;
+mod text;
+
+#[cfg(test)]
+mod example;
+
+pub use error::ExportError;
+pub use format::ProgramFormat;
+pub use program::{Home, Program, ProgramJoint, Stop};

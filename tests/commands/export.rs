@@ -1,0 +1,88 @@
+//! `calipose export` writes a plan's poses in the order of its tour as files of robots' programs.
+
+use serde_json::Value;
+
+use crate::desk::Desk;
+
+/// Lines of a CSV file as cells.
+fn rows(desk: &Desk, name: &str) -> Vec<Vec<String>> {
+    let text = std::fs::read_to_string(desk.path(name)).unwrap();
+    text.lines().map(|line| line.split(',').map(str::to_owned).collect()).collect()
+}
+
+fn column(rows: &[Vec<String>], name: &str) -> Vec<String> {
+    let place = rows[0].iter().position(|heading| heading == name).unwrap_or_else(|| panic!("{name} in {:?}", rows[0]));
+    rows[1..].iter().map(|row| row[place].clone()).collect()
+}
+
+fn seconds(desk: &Desk, name: &str) -> f64 {
+    column(&rows(desk, name), "seconds").iter().map(|cell| cell.parse::<f64>().unwrap()).sum()
+}
+
+#[test]
+fn every_format_of_the_robot_is_written_in_the_order_of_the_tour() {
+    let desk = Desk::new();
+    let plan = desk.json("plan coarse.toml -k 9 --trials 0 -o out --json");
+    let formats = "ros2-goals,joint-trajectory,robot-calibration,moveit-calibration,rapid,krl,fanuc-ls,csv";
+    let written = desk.json(&format!("export out/plan.json --to {formats} --json"));
+    assert_eq!(written["format"], "calipose.export");
+    let files: Vec<&str> =
+        written["files"].as_array().unwrap().iter().map(|file| file["file"].as_str().unwrap()).collect();
+    assert_eq!(files.len(), 8);
+    for file in &files {
+        let text = std::fs::read_to_string(desk.path("out/export").join(file)).unwrap();
+        assert!(*file == "Servosila_Engineer.csv" || text.contains("calipose"), "{file}: {text}");
+    }
+    let table = rows(&desk, "out/export/Servosila_Engineer.csv");
+    let order: Vec<String> = plan["tour"]["order"].as_array().unwrap().iter().map(|id| format!("pose {id}")).collect();
+    assert_eq!(column(&table, "label"), order);
+    // plan.csv has the same order.
+    let ids = column(&rows(&desk, "out/plan.csv"), "id");
+    assert_eq!(ids.iter().map(|id| format!("pose {id}")).collect::<Vec<_>>(), order);
+    let moving = plan["tour"]["moving_s"].as_f64().unwrap();
+    assert!((seconds(&desk, "out/export/Servosila_Engineer.csv") - moving).abs() < 1e-9);
+}
+
+#[test]
+fn a_share_of_the_speed_and_a_dwell_take_the_place_of_the_problems() {
+    let desk = Desk::new();
+    desk.change(
+        "home.toml",
+        &[("[selection]", "[motion]\nhome = [0, 60, -100, 90]\nreturn_home = false\n\n[selection]")],
+    );
+    let plan = desk.json("plan home.toml -k 9 --trials 0 -o out --json");
+    desk.json("export out/plan.json --to csv,joint-trajectory --json");
+    let slow = desk.json("export out/plan.json --to csv --speed-percent 10 --dwell-s 2.5 -o slow --json");
+    assert_eq!((slow["speed_percent"].clone(), slow["dwell_s"].clone()), (10.0.into(), 2.5.into()));
+    let table = rows(&desk, "slow/Servosila_Engineer.csv");
+    assert_eq!(column(&table, "label").len(), 10, "home and nine poses");
+    assert_eq!(column(&table, "label")[0], "home");
+    let ratio = seconds(&desk, "slow/Servosila_Engineer.csv") / seconds(&desk, "out/export/Servosila_Engineer.csv");
+    let moving = plan["tour"]["moving_s"].as_f64().unwrap();
+    assert!((seconds(&desk, "out/export/Servosila_Engineer.csv") - moving).abs() < 1e-9);
+    assert!(ratio > 5.0 && ratio <= 10.0 + 1e-9, "{ratio}");
+}
+
+#[test]
+fn what_cannot_be_exported_is_refused() {
+    let desk = Desk::new();
+    desk.json("plan coarse.toml -k 9 --trials 0 -o out --json");
+    let complaint = desk.complaint("export out/plan.json --to urscript,csv", 2);
+    assert!(complaint.contains("exactly 6 revolute joints") && complaint.contains("4 revolute"), "{complaint}");
+    // All or nothing.
+    assert!(!desk.path("out/export/Servosila_Engineer.csv").exists());
+    let complaint = desk.complaint("export out/plan.json --to csv --speed-percent 0", 2);
+    assert!(complaint.contains("--speed-percent is 0; it must be from 0.1 to 100"), "{complaint}");
+    assert!(desk.complaint("export out/plan.json --to csv --dwell-s -1", 2).contains("--dwell-s is -1"));
+    assert!(desk.complaint("export out/plan.json --to cnc", 2).contains("ros2-goals"));
+    std::fs::write(desk.path("taken"), "").unwrap();
+    assert!(desk.complaint("export out/plan.json --to csv -o taken", 1).contains("taken"));
+    // A plan made before there were tours goes by its ids.
+    let text = std::fs::read_to_string(desk.path("out/plan.json")).unwrap();
+    let mut old: Value = serde_json::from_str(&text).unwrap();
+    old.as_object_mut().unwrap().remove("tour");
+    std::fs::write(desk.path("old.json"), old.to_string()).unwrap();
+    desk.json("export old.json --problem coarse.toml --to csv -o old --json");
+    let labels = column(&rows(&desk, "old/Servosila_Engineer.csv"), "label");
+    assert!(labels.is_sorted() && labels.len() == 9, "{labels:?}");
+}
