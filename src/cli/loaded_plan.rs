@@ -74,6 +74,7 @@ impl LoadedPlan {
 
 /// The poses of a plan, on the grid or polished, and their problem.
 pub(crate) struct LoadedPoses {
+    /// In the order in which to take them.
     pub(crate) poses: Vec<PlannedPose>,
     pub(crate) problem: Problem,
 }
@@ -86,7 +87,7 @@ impl LoadedPoses {
         let problem = problem_of(path, &planned.problem, problem)?;
         among_its_own(path, &mixed, &[])?;
         planned.fit(&problem).map_err(|error| refused(path, error.to_string()))?;
-        Ok(Self { poses: planned.poses, problem })
+        Ok(Self { poses: planned.in_order().into_iter().cloned().collect(), problem })
     }
 }
 

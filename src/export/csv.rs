@@ -1,6 +1,6 @@
 //! A table for programs of one's own: a row a stop, joint values in rad and degrees (m and mm of joints that slide).
 
-use super::format::Export;
+use super::Export;
 use super::program::{Leg, Program};
 use super::text::{decimal, file_name, fixed};
 use crate::robot::JointKind;
@@ -9,14 +9,9 @@ pub(super) const EXPORT: Export =
     Export { name: "csv", file_name: |program| file_name(program.name, "csv"), write: |program| Ok(write(program)) };
 
 fn write(program: &Program) -> String {
-    let rows = program.legs();
-    let rows = rows.iter().enumerate().map(|(i, leg)| row(program, first_visit(program) + i, leg));
+    let legs = program.legs();
+    let rows = legs.iter().map(|leg| row(program, leg));
     std::iter::once(head(program)).chain(rows).map(|cells| line(&cells)).collect()
-}
-
-/// Home is visit 0, and the last.
-fn first_visit(program: &Program) -> usize {
-    usize::from(program.home.is_none())
 }
 
 /// The units of a joint's columns, SI's first.
@@ -35,8 +30,9 @@ fn head(program: &Program) -> Vec<String> {
     cells
 }
 
-fn row(program: &Program, visit: usize, leg: &Leg) -> Vec<String> {
-    let mut cells = vec![visit.to_string(), leg.label.to_owned()];
+/// At home, and where the robot only turns, the number of the visit is 0.
+fn row(program: &Program, leg: &Leg) -> Vec<String> {
+    let mut cells = vec![leg.visit.unwrap_or(0).to_string(), leg.label.to_owned()];
     cells.extend(leg.to.iter().map(|&value| decimal(value)));
     cells.extend(leg.to.iter().zip(program.joints).map(|(&value, joint)| match joint.kind {
         JointKind::Revolute => fixed(value.to_degrees(), 6),
@@ -67,14 +63,14 @@ mod tests {
         joints.truncate(2);
         joints[0].kind = JointKind::Prismatic;
         joints[1].name = "a,\"b\"".into();
-        let stops = [Stop { label: "pose 7".into(), q: vec![0.25, -0.5], seconds: 2.0 }];
+        let stops = [Stop { label: "pose 7".into(), q: vec![0.25, -0.5], seconds: 2.0, picture: true }];
         let mut tour = program(&joints, &stops);
         let [si, shown] = ["m,\"joint_a,\"\"b\"\"_rad\"", "mm,\"joint_a,\"\"b\"\"_deg\""];
         let head = format!("visit,label,joint_joint_1_{si},joint_joint_1_{shown},seconds,dwell\n");
         assert_eq!(write(&tour), format!("{head}1,pose 7,0.25,-0.5,250.000000,-28.647890,0.0,1.5\n"));
         tour.home = Some(Home { q: vec![0.0, 0.0], back: Some(3.0) });
         let rows = "0,home,0.0,0.0,0.000000,0.000000,0.0,0.0\n1,pose 7,0.25,-0.5,250.000000,-28.647890,2.0,1.5\n\
-                    2,home,0.0,0.0,0.000000,0.000000,3.0,0.0\n";
+                    0,home,0.0,0.0,0.000000,0.000000,3.0,0.0\n";
         assert_eq!(write(&tour), format!("{head}{rows}"));
     }
 

@@ -12,7 +12,8 @@ pub(super) fn joints() -> Vec<ProgramJoint> {
 }
 
 pub(super) fn stops() -> Vec<Stop> {
-    let stop = |label: &str, q: [f64; JOINTS], seconds| Stop { label: label.into(), q: q.into(), seconds };
+    let stop =
+        |label: &str, q: [f64; JOINTS], seconds| Stop { label: label.into(), q: q.into(), seconds, picture: true };
     // 9 s is of the move from home, where there is one.
     vec![stop("pose 7", [0.1, -0.5, 1.0, -0.0, 1e-7, 3.0], 9.0), stop("pose 3", [0.4, 0.25, 1.0, 0.1, -0.2, 1.8], 2.5)]
 }

@@ -1,18 +1,9 @@
 //! The formats.
 
+use super::Export;
 use super::error::ExportError;
 use super::program::Program;
 use super::{csv, languages, ros};
-
-/// What a format has to say of itself.
-pub(super) struct Export {
-    /// Name on the command line.
-    pub(super) name: &'static str,
-    /// Usual name of a file. Controllers want it to be the program's.
-    pub(super) file_name: fn(&Program) -> String,
-    /// The tour, which makes sense, in this format.
-    pub(super) write: fn(&Program) -> Result<String, ExportError>,
-}
 
 /// File format that a robot's program reads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -10,8 +10,8 @@
 //! let joint = |name: &str| ProgramJoint { name: name.into(), kind: JointKind::Revolute, speed: 2.0, acceleration: 4.0 };
 //! let joints = [joint("waist"), joint("shoulder")];
 //! let stops = [
-//!     Stop { label: "pose 7".into(), q: vec![0.1, -0.5], seconds: 0.0 },
-//!     Stop { label: "pose 3".into(), q: vec![0.4, 0.25], seconds: 2.5 },
+//!     Stop { label: "pose 7".into(), q: vec![0.1, -0.5], seconds: 0.0, picture: true },
+//!     Stop { label: "pose 3".into(), q: vec![0.4, 0.25], seconds: 2.5, picture: true },
 //! ];
 //! let program = Program { name: "two joints", joints: &joints, stops: &stops, home: None, dwell: 1.0, share: 0.5 };
 //! let text = ProgramFormat::MoveItCalibration.write(&program)?;
@@ -35,3 +35,13 @@ mod example;
 pub use error::ExportError;
 pub use format::ProgramFormat;
 pub use program::{Home, Program, ProgramJoint, Stop};
+
+/// What a format has to say of itself.
+struct Export {
+    /// Name on the command line.
+    name: &'static str,
+    /// Usual name of a file. Controllers want it to be the program's.
+    file_name: fn(&Program) -> String,
+    /// The tour, which makes sense, in this format.
+    write: fn(&Program) -> Result<String, ExportError>,
+}

@@ -3,8 +3,7 @@
 use std::collections::HashSet;
 
 use super::error::ExportError;
-use crate::motion::JointLimits;
-use crate::robot::{Joint, JointKind};
+use crate::robot::JointKind;
 
 /// Longest move and longest dwell, s: a day. Also keeps every sum of them within ROS's 32 bits of seconds.
 const MOST_SECONDS: f64 = 86_400.0;
@@ -42,15 +41,7 @@ pub struct ProgramJoint {
     pub acceleration: f64,
 }
 
-impl ProgramJoint {
-    /// A joint of a robot, with the greatest speed and acceleration that it may have.
-    pub fn new(joint: &Joint, greatest: &JointLimits) -> Self {
-        let JointLimits { speed, acceleration } = *greatest;
-        Self { name: joint.name.clone(), kind: joint.kind, speed, acceleration }
-    }
-}
-
-/// Where the robot stands for a picture.
+/// Where the robot stands for a picture, or turns on its way.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stop {
     /// What people call it, as "pose 7".
@@ -59,6 +50,8 @@ pub struct Stop {
     pub q: Vec<f64>,
     /// How long the move to it from the stop before takes, s; without meaning where there is none before.
     pub seconds: f64,
+    /// Whether a picture is taken there.
+    pub picture: bool,
 }
 
 /// Where the tour begins, and may end.
@@ -81,7 +74,7 @@ pub(super) struct Leg<'a> {
     pub(super) to: &'a [f64],
     /// How long it takes, s; 0 for the first.
     pub(super) seconds: f64,
-    /// The number from 1 on of the stop that its end is; none where that is home.
+    /// The number from 1 on of the picture that is taken at its end; none where none is.
     pub(super) visit: Option<usize>,
 }
 
@@ -93,8 +86,10 @@ impl Program<'_> {
             self.home.as_ref().map(|home| Leg { label: "home", from: None, to: &home.q, seconds, visit: None })
         };
         legs.extend(home(0.0));
-        for (i, stop) in self.stops.iter().enumerate() {
-            legs.push(Leg { label: &stop.label, from: None, to: &stop.q, seconds: stop.seconds, visit: Some(i + 1) });
+        let mut visits = 0;
+        for Stop { label, q, seconds, picture } in self.stops {
+            visits += usize::from(*picture);
+            legs.push(Leg { label, from: None, to: q, seconds: *seconds, visit: picture.then_some(visits) });
         }
         legs.extend(self.home.as_ref().and_then(|at| home(at.back?)));
         legs[0].seconds = 0.0;
@@ -102,6 +97,11 @@ impl Program<'_> {
             legs[i].from = Some(legs[i - 1].to);
         }
         legs
+    }
+
+    /// The stops at which pictures are taken.
+    pub(super) fn visits(&self) -> impl Iterator<Item = &Stop> {
+        self.stops.iter().filter(|stop| stop.picture)
     }
 
     /// Whether every joint turns.

@@ -4,6 +4,7 @@ use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
+use super::rates::{common_ancestor, travel};
 use super::solid::{Placed, Solid};
 use crate::robot::{Limits, Motion, Robot, Tree};
 use crate::spatial::Pose;
@@ -155,6 +156,47 @@ impl Collision {
             (pair, gaps.fold(f64::INFINITY, f64::min))
         };
         self.links.tested.iter().map(|&(pair, _)| gap(pair)).collect()
+    }
+
+    /// The clearance, m.
+    pub fn clearance(&self) -> f64 {
+        self.clearance
+    }
+
+    /// The solids with their links at `X_BL`.
+    pub(crate) fn placed(&self, X_BL: &[Pose]) -> PlacedSolids<'_> {
+        PlacedSolids { collision: self, placed: Placed::all(&self.solids, X_BL) }
+    }
+
+    /// For each pair of [`LinkPairs::tested`] a bound in m on how much its distance changes on the way from joint values `from` to `to`,
+    /// straight in joint space; on a part of the way, by no more than that share of it.
+    pub(crate) fn changes(&self, tree: &Tree, from: &[f64], to: &[f64]) -> Vec<f64> {
+        let arm = |link: usize| {
+            let own = self.solids.iter().filter(|solid| solid.link == link);
+            own.map(Solid::arm).fold(0.0, f64::max)
+        };
+        let change = |&([a, b], _): &(LinkPair, f64)| {
+            let ancestor = common_ancestor(tree, a, b);
+            [a, b].map(|link| travel(tree, link, ancestor, arm(link), from, to)).iter().sum()
+        };
+        self.links.tested.iter().map(change).collect()
+    }
+}
+
+/// The solids at one configuration.
+pub(crate) struct PlacedSolids<'c> {
+    collision: &'c Collision,
+    placed: Vec<Placed<'c>>,
+}
+
+impl PlacedSolids<'_> {
+    /// Distance in m between the nearest bodies of the pair of that number in [`LinkPairs::tested`]; no less than `enough` where it is
+    /// more than that. Not positive where they touch, and then not their depth.
+    pub(crate) fn gap(&self, pair: usize, enough: f64) -> f64 {
+        let Collision { solids, pairs, links, .. } = self.collision;
+        let (links, _) = links.tested[pair];
+        let own = pairs.iter().filter(|&&[i, j]| [solids[i].link, solids[j].link] == links);
+        own.map(|&[i, j]| self.placed[i].gap_up_to(enough, &self.placed[j])).fold(enough, f64::min)
     }
 }
 

@@ -6,6 +6,7 @@
 mod collision;
 mod hull;
 mod occlusion;
+mod rates;
 mod rejection;
 mod shortfall;
 mod solid;

@@ -107,6 +107,11 @@ impl Core {
 }
 
 impl Solid {
+    /// How far the solid's points are from the origin of its link's frame at most, m.
+    pub(super) fn arm(&self) -> f64 {
+        self.X_LG.translation.vector.norm() + self.reach
+    }
+
     /// The solids of all links; empty convex hulls are none.
     pub(super) fn all(tree: &Tree) -> Vec<Solid> {
         let of_link = |(link, bodies): (usize, &Vec<Body>)| -> Vec<Solid> {
@@ -168,6 +173,11 @@ impl<'s> Placed<'s> {
         let X_12 = self.X_BG.inv_mul(&other.X_BG);
         let separation = self.solid.core.separation(&X_12, &other.solid.core, f64::INFINITY);
         separation - self.solid.radius - other.solid.radius
+    }
+
+    /// Distance in m between the solids, or no less than `enough` where it is more than that.
+    pub(super) fn gap_up_to(&self, enough: f64, other: &Self) -> f64 {
+        if self.is_within(enough, other) { self.gap(other) } else { enough }
     }
 
     /// Whether the solid meets `core`, given in the base frame.

@@ -3,7 +3,8 @@
 use nalgebra::{Point2, Vector2, Vector3};
 use thiserror::Error;
 
-use crate::robot::{JointKind, Motion, PointMass, Tree};
+use super::rates::travel;
+use crate::robot::{PointMass, Tree};
 use crate::spatial::Pose;
 
 /// What the robot stands on.
@@ -82,6 +83,13 @@ impl Stability {
         tree.center_of_mass(X_BL).map(|center| self.margin_of(&center))
     }
 
+    /// A bound in m on how much the tip-over margin changes on the way from joint values `from` to `to`, straight in joint space; on a
+    /// part of the way, by no more than that share of it.
+    pub(crate) fn change(&self, tree: &Tree, from: &[f64], to: &[f64]) -> f64 {
+        // An oblique projection lengthens by at most |up| / up.z.
+        travel_of_center(tree, from, to) * self.up.norm()
+    }
+
     /// The least tip-over margin in m on the way from joint values `from` to `to`, straight in joint space; none if no link
     /// has a mass. The value is a lower bound that lies at most a millimetre below the least margin: the margin changes no
     /// faster than a rate known beforehand, so between two configurations it can sink only so far (Piyavskii 1972).
@@ -90,8 +98,7 @@ impl Stability {
             let q: Vec<f64> = from.iter().zip(to).map(|(a, b)| a + t * (b - a)).collect();
             self.margin_at(tree, &tree.link_poses(&q))
         };
-        // An oblique projection lengthens by at most |up| / up.z.
-        let rate = rate_of_center(tree, from, to) * self.up.norm();
+        let rate = self.change(tree, from, to);
         let (first, last) = (margin(0.0)?, margin(1.0)?);
         let mut least = first.min(last);
         let mut bound = f64::INFINITY;
@@ -153,33 +160,14 @@ pub(crate) fn convex_hull(points: &[Point2<f64>]) -> Vec<Point2<f64>> {
     hull
 }
 
-/// A bound in m on the way of the centre of mass from joint values `from` to `to`, per unit of that way: no joint can move it
-/// faster than its own rate times the farthest that the masses it carries can be from its axis, weighted by mass.
-fn rate_of_center(tree: &Tree, from: &[f64], to: &[f64]) -> f64 {
-    let total: f64 = tree.links.iter().filter_map(|link| link.mass).map(|point| point.mass).sum();
-    // Greatest length, and change, of a link's own motion along the way.
-    let stretch = |motion: &Motion| match *motion {
-        Motion::Driven { joint, kind: JointKind::Prismatic, multiplier, offset, .. } => {
-            (multiplier * from[joint] + offset).abs().max((multiplier * to[joint] + offset).abs())
-        }
-        _ => 0.0,
-    };
-    let mut rate = 0.0;
-    for carried in &tree.links {
-        let Some(point) = carried.mass else { continue };
-        // From the mass down to the root; `arm` is how far it can be from the frame reached.
-        let mut arm = point.center.coords.norm();
-        let mut link = Some(carried);
-        while let Some(here) = link {
-            if let Motion::Driven { joint, kind, multiplier, .. } = here.motion {
-                let speed = (multiplier * (to[joint] - from[joint])).abs();
-                rate += point.mass * speed * if kind == JointKind::Revolute { arm } else { 1.0 };
-            }
-            arm += stretch(&here.motion) + here.X_PJ.translation.vector.norm();
-            link = here.parent.map(|parent| &tree.links[parent]);
-        }
+/// A bound in m on the length of the centre of mass's way from joint values `from` to `to`: those of the masses, weighted by mass.
+fn travel_of_center(tree: &Tree, from: &[f64], to: &[f64]) -> f64 {
+    let (mut total, mut travelled) = (0.0, 0.0);
+    for (link, point) in tree.links.iter().enumerate().filter_map(|(i, link)| Some((i, link.mass?))) {
+        total += point.mass;
+        travelled += point.mass * travel(tree, link, None, point.center.coords.norm(), from, to);
     }
-    if total > 0.0 { rate / total } else { 0.0 }
+    if total > 0.0 { travelled / total } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -188,7 +176,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::robot::Link;
+    use crate::robot::{JointKind, Link, Motion};
 
     fn square(margin: f64, roll: f64, pitch: f64) -> Stability {
         // A square of 0.4 m with a point inside and one on an edge, which the hull drops.

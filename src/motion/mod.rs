@@ -1,6 +1,10 @@
-//! Moves of the arm: how long they take, and in which order of the poses they take least time.
+//! Moves of the arm: how long they take, whether they are safe, and in which order of the poses they take least time.
 
+pub mod journey;
+mod safety;
 pub mod timing;
 pub mod tour;
+pub mod way;
 
+pub use safety::{Danger, MarginKind, Safety};
 pub use timing::JointLimits;

@@ -1,7 +1,9 @@
 //! What a plan, a study or a design comes to, in words: the same in the terminal and on its page.
 
 use crate::figures::{grouped, short};
-use crate::plan::document::{AxisMeans, ContinuumDocument, DesignDocument, Plan, StudyDocument, TourDocument};
+use crate::plan::document::{
+    AxisMeans, ContinuumDocument, DesignDocument, MoveDocument, Plan, StudyDocument, TourDocument,
+};
 
 /// What was chosen, and what is proven of it.
 pub fn outcome(plan: &Plan) -> String {
@@ -92,8 +94,42 @@ pub fn on_the_way(tour: &TourDocument) -> String {
     };
     format!(
         "In this order the moves take {moving_s:.1} s, by ascending id {moving_by_id_s:.1} s; {best}. With {dwell_s} s at each pose, \
-         {total_s:.0} s in all.{assumed}"
+         {total_s:.0} s in all.{assumed}{}",
+        safety(tour)
     )
+}
+
+/// What is known of the moves between the poses, where something is tested.
+fn safety(tour: &TourDocument) -> String {
+    let named = |endangered: &Option<Vec<String>>| match endangered.as_deref() {
+        Some([a, b]) => format!("{a} and {b} would touch"),
+        _ => "the robot would tip over".to_owned(),
+    };
+    let blocked: Vec<String> =
+        tour.blocked().map(|(place, found)| format!("move {} ({})", place + 1, named(&found.endangered))).collect();
+    if !blocked.is_empty() {
+        return format!(
+            "\nNOT SAFE, and no way round was found: {}. Do not run the tour as it is: choose other poses by `forbid`, or lead the arm \
+             by hand.",
+            blocked.join(", ")
+        );
+    }
+    let least = |of: fn(&MoveDocument) -> Option<f64>| tour.moves.iter().filter_map(of).reduce(f64::min);
+    let clearance =
+        least(|found| found.clearance_m).map(|least| format!("no tested links come nearer than {:.0} mm", 1e3 * least));
+    let balance = least(|found| found.tip_over_margin_m)
+        .map(|least| format!("the tip-over margin stays above {:.0} mm", 1e3 * least));
+    let proven: Vec<String> = clearance.into_iter().chain(balance).collect();
+    if proven.is_empty() {
+        return String::new();
+    }
+    let round = tour.moves.iter().filter(|found| !found.via_rad.is_empty()).count();
+    let round = match round {
+        0 => "all moves straight".to_owned(),
+        1 => "one move goes round about".to_owned(),
+        round => format!("{round} moves go round about"),
+    };
+    format!("\nProven all along the way: {} ({round}).", proven.join(", "))
 }
 
 /// How much more than a share there is, in %.

@@ -48,10 +48,13 @@ class Tour:
         self.speed = said["share"] * np.array([joint["speed"] for joint in said["joints"]])
         self.acceleration = np.array([joint["acceleration"] for joint in said["joints"]])
         self.dwell, self.share = said["dwell"], said["share"]
-        self.stops = np.array([stop["q"] for stop in said["stops"]])
-        self.labels = [stop["label"] for stop in said["stops"]]
+        pictures = [stop for stop in said["stops"] if stop["picture"]]
+        self.stops = np.array([stop["q"] for stop in pictures])
+        self.labels = [stop["label"] for stop in pictures]
         # Label, values, time of the move there, time there.
-        self.visits = [(stop["label"], np.array(stop["q"]), stop["seconds"], self.dwell) for stop in said["stops"]]
+        self.visits = [
+            (stop["label"], np.array(stop["q"]), stop["seconds"], self.dwell if stop["picture"] else 0.0) for stop in said["stops"]
+        ]
         if said["home"]:
             home = np.array(said["home"]["q"])
             self.visits = [("home", home, 0.0, 0.0), *self.visits, ("home", home, said["home"]["seconds"], 0.0)]
@@ -183,7 +186,8 @@ def table(tour):
     assert np.abs(rows[second] - np.where(tour.slides, 1e3 * places, np.degrees(places))).max(axis=None) < ANGLE
     assert list(rows["seconds"])[1:] == [visit[2] for visit in tour.visits[1:]] and rows["seconds"][0] == 0
     assert list(rows["dwell"]) == [visit[3] for visit in tour.visits]
-    assert list(rows["visit"]) == list(range(0 if tour.visits[0][0] == "home" else 1, len(rows) + (tour.visits[0][0] != "home")))
+    visits = iter(range(1, len(rows) + 1))
+    assert list(rows["visit"]) == [next(visits) if visit[3] else 0 for visit in tour.visits]
     return f"{len(rows)} rows"
 
 

@@ -32,7 +32,7 @@ const ORDER: [&str; 22] = [
 ];
 
 /// The files and rooms in a room; each may use those before it, and all may use the room's own `mod.rs`.
-const ROOMS: [(&str, &[&str]); 43] = [
+const ROOMS: [(&str, &[&str]); 44] = [
     (
         "selection",
         &[
@@ -78,7 +78,18 @@ const ROOMS: [(&str, &[&str]); 43] = [
     ("sweep", &["candidates", "axes", "joints"]),
     (
         "feasibility",
-        &["rejection", "visibility", "shortfall", "solid", "hull", "collision", "occlusion", "stability", "views"],
+        &[
+            "rejection",
+            "visibility",
+            "shortfall",
+            "solid",
+            "hull",
+            "rates",
+            "collision",
+            "occlusion",
+            "stability",
+            "views",
+        ],
     ),
     (
         "information",
@@ -97,12 +108,13 @@ const ROOMS: [(&str, &[&str]); 43] = [
             "diversity",
         ],
     ),
-    ("motion", &["timing", "tour"]),
-    ("export", &["error", "program", "text", "csv", "ros", "languages", "format"]),
+    ("motion", &["timing", "tour", "way", "safety", "journey"]),
+    ("motion::way", &["margins", "straight", "tree", "scout", "connect", "shorten", "search"]),
+    ("export", &["error", "program", "example", "text", "csv", "ros", "languages", "format"]),
     ("export::text", &["number", "comment", "name"]),
     ("export::ros", &["yaml", "goals", "joint_trajectory", "moveit_calibration", "robot_calibration"]),
     ("export::languages", &["axes", "urscript", "rapid", "krl", "fanuc_ls"]),
-    ("motion::tour", &["costs", "circuit", "bound", "cycle", "exact", "search"]),
+    ("motion::tour", &["costs", "bound", "circuit", "cycle", "exact", "search"]),
     ("continuum", &["lanes", "taylor", "twist", "quadratic", "image", "frustum", "sight", "score", "cell", "search"]),
     (
         "calibration",
@@ -172,6 +184,7 @@ const ROOMS: [(&str, &[&str]); 43] = [
             "choice",
             "constraints",
             "error",
+            "home",
             "objective",
             "chooser",
             "refined_survey",

@@ -51,7 +51,8 @@ fn module_of(path: &Path) -> Option<Module> {
     }
     let last = module.last().unwrap().as_str();
     let is_root = module.len() == 1 && ["lib", "main"].contains(&last);
-    (!is_root && last != "tests").then_some(module)
+    let is_tests = module.iter().any(|part| part == "tests");
+    (!is_root && !is_tests).then_some(module)
 }
 
 /// The paths of a `use` tree, `a::{b, c::d as e}`, each with the name that it is known by.

@@ -49,6 +49,8 @@ fn write(
             label: format!("pose {}", (i * 37) % 101),
             q: (0..joints.len()).map(|j| value(i, j)).collect(),
             seconds: 1.0 + 27.7 * (i as f64 * 0.618_034).fract(),
+            // A robot turns there, on its way.
+            picture: i % 5 != 3,
         })
         .collect();
     let home = has_home.then(|| Home { q: vec![0.0; joints.len()], back: Some(6.0) });
@@ -74,7 +76,7 @@ fn described(tour: &Program, files: &serde_json::Map<String, Value>) -> Value {
         "joints": tour.joints.iter().map(|joint| json!({ "name": joint.name, "prismatic": is_prismatic(joint),
             "speed": joint.speed, "acceleration": joint.acceleration })).collect::<Vec<_>>(),
         "stops": tour.stops.iter().map(|stop| json!({ "label": stop.label, "q": stop.q,
-            "seconds": stop.seconds })).collect::<Vec<_>>(),
+            "seconds": stop.seconds, "picture": stop.picture })).collect::<Vec<_>>(),
         "home": tour.home.as_ref().map(|home| json!({ "q": home.q, "seconds": home.back })),
         "dwell": tour.dwell,
         "share": tour.share,

@@ -7,11 +7,12 @@ use clap::Args;
 use crate::cli::by_name;
 use crate::cli::interrupt::writing;
 use crate::cli::loaded_plan::LoadedPlan;
-use crate::cli::output::Screen;
 use crate::cli::output::failure::Failure;
+use crate::cli::output::{Screen, wrapped};
 use crate::export::{Home, Program, ProgramFormat, ProgramJoint, Stop};
+use crate::motion::JointLimits;
 use crate::motion::timing::duration;
-use crate::plan::document::{Document, ExportDocument, ExportedFile, Plan, PlannedPose, ProblemReference};
+use crate::plan::document::{Document, ExportDocument, ExportedFile, Plan, ProblemReference};
 use crate::plan::results::{probe, write_together};
 use crate::problem::MotionSettings;
 
@@ -43,8 +44,16 @@ pub(crate) fn run(arguments: &ExportArguments, screen: &mut Screen) -> Result<()
     let motion = arguments.motion(&problem.motion)?;
     let folder = arguments.output.clone().unwrap_or_else(|| path.parent().unwrap_or(Path::new("")).join("export"));
     probe(&folder)?;
-    let joints = problem.robot.chain.joints.iter().zip(&motion.greatest);
-    let joints: Vec<ProgramJoint> = joints.map(|(joint, greatest)| ProgramJoint::new(joint, greatest)).collect();
+    let limits = motion.limits();
+    let joints = problem.robot.chain.joints.iter().zip(motion.greatest.iter().zip(&limits));
+    // The share is of speeds; the accelerations are those at this share.
+    let joints = joints.map(|(joint, (JointLimits { speed, .. }, JointLimits { acceleration, .. }))| ProgramJoint {
+        name: joint.name.clone(),
+        kind: joint.kind,
+        speed: *speed,
+        acceleration: *acceleration,
+    });
+    let joints: Vec<ProgramJoint> = joints.collect();
     let (stops, home) = stops(&plan, &motion);
     let program =
         Program { name: &problem.name, joints: &joints, stops: &stops, home, dwell: motion.dwell, share: motion.share };
@@ -66,12 +75,16 @@ pub(crate) fn run(arguments: &ExportArguments, screen: &mut Screen) -> Result<()
             .collect(),
     })?;
     let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
-    screen.text(&format!(
-        "Written to {}: {}. Try them in simulation first, then at low speed with a hand on the stop: between the poses nothing was \
-         tested for collision.",
+    let safe = match &plan.tour {
+        Some(tour) if tour.blocked().next().is_some() => " NOT ALL MOVES ARE SAFE: see what `calipose plan` said.",
+        Some(tour) if !tour.moves.is_empty() && tour.moves.iter().all(|found| found.safe == Some(true)) => "",
+        _ => " Nothing was tested for collision on the way from pose to pose.",
+    };
+    screen.text(&wrapped(&format!(
+        "Written to {}: {}. Try them in simulation first, then at low speed with a hand on the stop.{safe}",
         folder.display(),
         names.join(", ")
-    ))
+    )))
 }
 
 impl ExportArguments {
@@ -91,26 +104,30 @@ impl ExportArguments {
     }
 }
 
-/// The plan's poses in the order of its tour, and where it begins, with the times of the moves.
+/// The plan's poses in the order of its tour and the turns between them, and where it begins, with the times of the moves.
 fn stops(plan: &Plan, motion: &MotionSettings) -> (Vec<Stop>, Option<Home>) {
     let limits = motion.limits();
-    let poses = plan.in_order();
     let home = motion.home.as_ref();
-    let starts = home.map(|home| &home.q).into_iter().chain(poses.iter().map(|pose| &pose.joints_rad));
-    // Without a home nothing is known of the way to the first pose.
-    let first = usize::from(home.is_none());
-    let seconds = vec![0.0; first].into_iter().chain(
-        starts.zip(&poses[first.min(poses.len())..]).map(|(from, pose)| duration(from, &pose.joints_rad, &limits)),
-    );
-    let stop = |(pose, seconds): (&&PlannedPose, f64)| Stop {
-        label: format!("pose {}", pose.id),
-        q: pose.joints_rad.clone(),
-        seconds,
+    let poses = plan.in_order();
+    let turns = |place: usize| {
+        let moves = plan.tour.iter().filter_map(move |tour| tour.moves.get(place));
+        moves.flat_map(|found| found.via_rad.iter().map(Vec::as_slice))
     };
-    let stops: Vec<Stop> = poses.iter().zip(seconds).map(stop).collect();
-    let home = home.map(|home| Home {
-        q: home.q.clone(),
-        back: poses.last().filter(|_| home.returns).map(|last| duration(&last.joints_rad, &home.q, &limits)),
-    });
-    (stops, home)
+    let stop = |label: String, q: &[f64], picture| Stop { label, q: q.to_vec(), seconds: 0.0, picture };
+    let mut stops: Vec<Stop> = Vec::new();
+    for (place, pose) in poses.iter().enumerate() {
+        // Without a home no move leads to the first pose.
+        let way = if home.is_some() { Some(place) } else { place.checked_sub(1) };
+        stops.extend(way.into_iter().flat_map(turns).map(|q| stop(format!("way to pose {}", pose.id), q, false)));
+        stops.push(stop(format!("pose {}", pose.id), &pose.joints_rad, true));
+    }
+    let returns = home.filter(|home| home.returns);
+    stops.extend(returns.iter().flat_map(|_| turns(poses.len())).map(|q| stop("way home".to_owned(), q, false)));
+    let mut from = home.map(|home| home.q.clone());
+    for stop in &mut stops {
+        stop.seconds = from.map_or(0.0, |from| duration(&from, &stop.q, &limits));
+        from = Some(stop.q.clone());
+    }
+    let back = returns.and_then(|home| Some(duration(&from?, &home.q, &limits)));
+    (stops, home.map(|home| Home { q: home.q.clone(), back }))
 }

@@ -18,7 +18,7 @@ use crate::cli::output::verdict::Verdict;
 use crate::cli::output::{Screen, grouped, short, table, wrapped};
 use crate::cli::{TableFormat, trials};
 use crate::plan::assess::{KMEANS_RUNS, median_choice, verify};
-use crate::plan::choose::{Chooser, decide, plan_survey};
+use crate::plan::choose::{Chooser, decide, home_is_safe, plan_survey};
 use crate::plan::document::{
     Document, Plan, RobustnessDocument, Run, RunSeconds, TrialDocument, Verification, WorstLoss, views_csv,
 };
@@ -60,6 +60,7 @@ pub(crate) fn run(arguments: &PlanArguments, screen: &mut Screen) -> Result<Verd
     // What would stop the writing is found before the work.
     arguments.may_write(&problem)?;
 
+    home_is_safe(&problem)?;
     hold_against_memory(&problem, screen)?;
     let survey = sweeping(screen, &problem, |observe| plan_survey(&problem, observe))?;
     let survey_time = start.elapsed();

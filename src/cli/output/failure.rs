@@ -308,6 +308,9 @@ fn plan_help(error: &PlanError) -> String {
         PlanError::TooFewViews { .. } => {
             "ask for fewer poses, sweep with a finer step, or relax the limits of [visibility]"
         }
+        PlanError::UnsafeHome { .. } => {
+            "give joint values at which the robot stands free; `calipose reach` and the report show where its links are"
+        }
         PlanError::NoRoom { .. } => "lower the separations of [constraints], relax its groups, or ask for fewer poses",
         PlanError::Unobservable { count, views, .. } if count == views => {
             "more poses do not help, because there are no other views: sweep with a finer step or relax [visibility] for views that \

@@ -7,8 +7,8 @@
 
 use super::axes::Axes;
 use super::{announcement, beginning, percent};
+use crate::export::Export;
 use crate::export::error::ExportError;
-use crate::export::format::Export;
 use crate::export::program::{Leg, Program};
 use crate::export::text::{Names, fixed, rounded_up, wrapped};
 

@@ -5,8 +5,8 @@
 
 use super::axes::Axes;
 use super::{announcement, beginning, percent};
+use crate::export::Export;
 use crate::export::error::ExportError;
-use crate::export::format::Export;
 use crate::export::program::{Leg, Program};
 use crate::export::text::{Names, comments, fixed, rounded_up};
 

@@ -26,7 +26,7 @@ fn beginning(program: &Program, notes: &[String]) -> Vec<String> {
 fn announcement(program: &Program, leg: &Leg) -> String {
     let label: String = plain(leg.label).chars().take(LABEL).collect();
     match leg.visit {
-        Some(visit) => format!("{label} ({visit} of {})", program.stops.len()),
+        Some(visit) => format!("{label} ({visit} of {})", program.visits().count()),
         None => label,
     }
 }

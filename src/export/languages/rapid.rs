@@ -6,8 +6,8 @@
 
 use super::axes::Axes;
 use super::{announcement, beginning};
+use crate::export::Export;
 use crate::export::error::ExportError;
-use crate::export::format::Export;
 use crate::export::program::{Leg, Program};
 use crate::export::text::{Names, comments, fixed, rounded_up};
 

@@ -5,8 +5,8 @@
 
 use super::axes::refused;
 use super::{announcement, beginning};
+use crate::export::Export;
 use crate::export::error::ExportError;
-use crate::export::format::Export;
 use crate::export::program::{Leg, Program};
 use crate::export::text::{Names, comments, decimal, rounded_down};
 

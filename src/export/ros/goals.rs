@@ -5,7 +5,7 @@
 //! robot 4 s for it, and after the last goal begins again.
 
 use super::{beginning, yaml};
-use crate::export::format::Export;
+use crate::export::Export;
 use crate::export::program::{Leg, Program};
 use crate::export::text::{Names, file_name};
 

@@ -4,7 +4,7 @@
 //! velocities the controllers of ros-controls draw a cubic.
 
 use super::{beginning, yaml};
-use crate::export::format::Export;
+use crate::export::Export;
 use crate::export::program::{Leg, Program};
 use crate::export::text::file_name;
 

@@ -4,7 +4,7 @@
 //! length, and takes the names only where they are the move group's active joints in their order.
 
 use super::{beginning, yaml};
-use crate::export::format::Export;
+use crate::export::Export;
 use crate::export::program::Program;
 use crate::export::text::file_name;
 
@@ -20,7 +20,7 @@ fn write(program: &Program) -> String {
                 home is not among the states, since a sample is taken at each.";
     let mut text = beginning(program, &[note.to_owned()]);
     text += &format!("joint_names: {joints}\njoint_values:\n");
-    for stop in program.stops {
+    for stop in program.visits() {
         text += &format!("  - {}\n", yaml::numbers(&stop.q));
     }
     text

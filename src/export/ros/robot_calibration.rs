@@ -4,7 +4,7 @@
 //! joints; without features a pose is captured by all finders.
 
 use super::{beginning, yaml};
-use crate::export::format::Export;
+use crate::export::Export;
 use crate::export::program::Program;
 use crate::export::text::{file_name, one_line};
 
@@ -18,7 +18,7 @@ fn write(program: &Program) -> String {
     let joints = yaml::texts(program.joints.iter().map(|joint| joint.name.as_str()));
     let note = "The speed is robot_calibration's own. A home is not among the poses, since a picture is taken at each.";
     let mut text = beginning(program, &[note.to_owned()]);
-    for stop in program.stops {
+    for stop in program.visits() {
         let label = one_line(&stop.label);
         text += &format!("# {label}\n- joints: {joints}\n  positions: {}\n  features: []\n", yaml::numbers(&stop.q));
     }

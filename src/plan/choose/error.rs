@@ -71,6 +71,14 @@ pub enum PlanError {
         /// known.
         bound: f64,
     },
+    /// The robot cannot be where its tour begins.
+    #[error("{}", describe_home(links.as_ref(), *margin))]
+    UnsafeHome {
+        /// Names of two links that are too close to each other; none where the robot would tip over.
+        links: Option<[String; 2]>,
+        /// What is left of their distance, less the clearance, or of the tip-over margin, less the least allowed, m; not positive.
+        margin: f64,
+    },
     /// What is known already is not positive definite.
     #[error("the covariance of the calibration is not positive definite to working precision")]
     Covariance,
@@ -97,6 +105,18 @@ fn describe_room(count: usize, found: usize, at_most: usize) -> String {
         format!("[constraints] allow at most {found} poses together, which is proven; {count} are asked for")
     } else {
         format!("[constraints] allow no {count} poses together: {found} were found, and at most {at_most} are possible")
+    }
+}
+
+fn describe_home(links: Option<&[String; 2]>, margin: f64) -> String {
+    match links {
+        Some([a, b]) => {
+            format!("the robot cannot be at `motion.home`: {a} and {b} touch there, or are within the clearance")
+        }
+        None => format!(
+            "the robot cannot be at `motion.home`: it would tip over, {:.0} mm beyond what is allowed",
+            (-1e3 * margin).max(0.0)
+        ),
     }
 }
 

@@ -7,6 +7,7 @@ mod constraints;
 mod continuum;
 mod decide;
 mod error;
+mod home;
 mod objective;
 mod off_grid;
 mod refined_survey;
@@ -19,6 +20,7 @@ pub use continuum::ContinuumCertificate;
 
 pub use decide::{Decision, FewestProof, SearchSummary, decide};
 pub use error::PlanError;
+pub use home::home_is_safe;
 pub(crate) use objective::Objective;
 pub(crate) use off_grid::{Moved, Poses, SAMPLED as SAMPLED_OFF_GRID, leave_grid, moved};
 pub use off_grid::{PolishSettings, plan_survey};

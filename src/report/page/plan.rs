@@ -184,8 +184,11 @@ fn poses(plan: &Plan, review: &Review, explanation: &Explanation) -> Markup {
     if tested {
         header.push("Least clearance, mm".into());
     }
+    if plan.tour.is_some() {
+        header.push("Move there, s".into());
+    }
     let number = |value: f64, decimals: usize| Cell::Number(format!("{value:.decimals$}"), value);
-    let row = |(pose, planned): (&ReviewedPose, &PlannedPose)| {
+    let row = |(place, (pose, planned)): (usize, (&ReviewedPose, &PlannedPose))| {
         let show = html! {
             button type="button" class="choose" aria-label={ "Show pose " (pose.label) } { "show" } (pose.label)
         };
@@ -211,9 +214,14 @@ fn poses(plan: &Plan, review: &Review, explanation: &Explanation) -> Markup {
         if tested {
             cells.push(number(1e3 * pose.nearest.as_ref().map_or(f64::NAN, |nearest| nearest.distance_m), 0));
         }
+        cells.extend(plan.tour.as_ref().map(|tour| match tour.move_to(place) {
+            Some(found) if found.safe == Some(false) => Cell::Text(format!("{:.1}, NOT SAFE", found.seconds)),
+            Some(found) => number(found.seconds, 1),
+            None => Cell::Text("–".into()),
+        }));
         Row { pose: Some(pose.id), cells }
     };
-    let rows: Vec<Row> = review.poses.iter().zip(plan.in_order()).map(row).collect();
+    let rows: Vec<Row> = review.poses.iter().zip(plan.in_order()).enumerate().map(row).collect();
     table("Poses", &header, &rows)
 }
 

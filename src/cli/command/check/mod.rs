@@ -13,6 +13,7 @@ use crate::cli::memory::Memory;
 use crate::cli::output::failure::Failure;
 use crate::cli::output::{Screen, duration, grouped, wrapped};
 use crate::plan::assess::{Forecast, forecast};
+use crate::plan::choose::home_is_safe;
 use crate::plan::survey::diagnose;
 use crate::problem::{Accuracy, Goal, Problem};
 use crate::sweep::JointSpace;
@@ -32,6 +33,7 @@ pub(crate) fn run(arguments: &ProblemArguments, screen: &mut Screen) -> Result<(
         return design::check(arguments.path(), screen);
     }
     let problem = arguments.problem(&[])?;
+    home_is_safe(&problem)?;
     let Problem { robot, space, .. } = &problem;
     let checks = problem.checks();
     let total = space.len();

@@ -2,30 +2,33 @@
 
 use super::compare::{alike, near, number, numbers, other, same};
 use super::error::CertifyError;
-use super::unchecked::{ORDERED, UNORDERED, Unchecked};
-use crate::motion::JointLimits;
-use crate::plan::document::{PlannedPose, TourDocument};
+use super::unchecked::{ORDERED, Unchecked};
+use crate::feasibility::Collision;
+use crate::motion::journey::Arm;
+use crate::motion::{JointLimits, Safety};
+use crate::plan::document::{MoveDocument, PlannedPose, TourDocument};
 use crate::problem::{MotionSettings, Problem};
+use crate::robot::Limits;
 
-/// Times agree to this share.
+/// Times agree to this share; those of moves, which are stated to a nanosecond, to as many seconds too.
 const SAME_TIME: f64 = 1e-9;
 
-/// Checks the order of the poses and the times of the moves. That no order takes less than stated is not checked.
+/// Margins agree to this, m.
+const SAME_MARGIN: f64 = 1e-9;
+
+/// Checks the order of the poses, the times of the moves and the margins on them. That no order takes less than stated is not checked.
 pub(crate) fn takes_that_time(
     stated: Option<&TourDocument>,
     problem: &Problem,
     poses: &[PlannedPose],
     unchecked: &mut Vec<Unchecked>,
 ) -> Result<(), CertifyError> {
-    let Some(stated) = stated else {
-        unchecked.extend(Unchecked::all(&["tour"], UNORDERED));
-        return Ok(());
-    };
+    let Some(stated) = stated else { return Err(other("the tour", "left out", "through all poses")) };
     let TourDocument {
         order,
         home_rad,
         returns,
-        moves_s,
+        moves,
         moving_s,
         least_moving_s,
         moving_by_id_s,
@@ -41,31 +44,77 @@ pub(crate) fn takes_that_time(
     let names: Vec<String> = assumed.iter().map(|&j| problem.robot.chain.joints[j].name.clone()).collect();
     alike("the list of joints whose speed is assumed", assumed_speeds, &names)?;
 
-    let by_id: Vec<&[f64]> = poses.iter().map(|pose| pose.joints_rad.as_slice()).collect();
     let mut places = Vec::with_capacity(order.len());
     for id in order {
         let place = poses.iter().position(|pose| pose.id == *id).filter(|place| !places.contains(place));
         places.push(place.ok_or_else(|| other("a pose of the tour", id, "one of the plan that was not there before"))?);
     }
     same("the number of poses of the tour", &order.len(), &poses.len())?;
-    let home = home.as_ref().map(|home| home.q.as_slice());
-    let times = |order: &[&[f64]]| {
-        let way: Vec<&[f64]> =
-            home.into_iter().chain(order.iter().copied()).chain(home.filter(|_| does_return)).collect();
-        way.windows(2).map(|pair| least_time(pair[0], pair[1], greatest, *share)).collect::<Vec<f64>>()
+    // Home comes after the poses.
+    let stops: Vec<&[f64]> =
+        poses.iter().map(|pose| &pose.joints_rad).chain(home.iter().map(|home| &home.q)).map(Vec::as_slice).collect();
+    let at_home = || home.iter().map(|_| poses.len());
+    let way = |order: &[usize]| -> Vec<[usize; 2]> {
+        let back = at_home().filter(|_| does_return);
+        let way: Vec<usize> = at_home().chain(order.iter().copied()).chain(back).collect();
+        way.windows(2).map(|pair| [pair[0], pair[1]]).collect()
     };
-    let found = times(&places.iter().map(|&place| by_id[place]).collect::<Vec<_>>());
+    let least = |from: &[f64], to: &[f64]| least_time(from, to, greatest, *share);
+    let legs = way(&places);
+    same("the number of moves", &moves.len(), &legs.len())?;
+    let collision = Collision::new(&problem.robot, problem.clearance);
+    let safety = Safety::new(&problem.robot, &collision, problem.stability.as_ref());
+    let (limits, joints) = (problem.motion.limits(), &problem.robot.chain.joints);
+    let ranges: Vec<Limits> = joints.iter().map(|joint| joint.limits).collect();
+    let arm = Arm { safety, limits: &limits, ranges: &ranges };
+    let mut moving = 0.0;
+    for (stated, [i, j]) in moves.iter().zip(legs) {
+        moving += goes_that_way(stated, problem, &arm, [i, j], &stops, &least)?;
+    }
+    let by_id: Vec<usize> = (0..poses.len()).collect();
     let close = |what: &str, stated, found| number(what, stated, found, SAME_TIME);
-    numbers("time of a move", moves_s, &found, close)?;
-    let moving: f64 = found.iter().sum();
     close("the time of all moves", *moving_s, moving)?;
-    close("the time of all moves by ascending id", *moving_by_id_s, times(&by_id).iter().sum())?;
+    let straight = way(&by_id).into_iter().map(|[i, j]| least(stops[i], stops[j])).sum();
+    close("the time of all moves by ascending id", *moving_by_id_s, straight)?;
     close("the time of all moves and pictures", *total_s, moving + dwell * poses.len() as f64)?;
     if !(0.0..=moving * (1.0 + SAME_TIME)).contains(least_moving_s) {
         near("what the moves of no order take less than", *least_moving_s, moving, 0.0)?;
     }
     unchecked.extend(Unchecked::all(&["tour.least_moving_s"], ORDERED));
     Ok(())
+}
+
+/// Checks a move between two stops; its time. A move is looked at from the stop of the lower number, as it was found.
+fn goes_that_way(
+    stated: &MoveDocument,
+    problem: &Problem,
+    arm: &Arm,
+    [i, j]: [usize; 2],
+    stops: &[&[f64]],
+    least: &dyn Fn(&[f64], &[f64]) -> f64,
+) -> Result<f64, CertifyError> {
+    let MoveDocument { seconds, via_rad, safe, clearance_m, tip_over_margin_m, endangered } = stated;
+    let mut corners: Vec<&[f64]> = vec![stops[i]];
+    corners.extend(via_rad.iter().map(Vec::as_slice));
+    corners.push(stops[j]);
+    let fits =
+        |q: &&[f64]| q.len() == arm.ranges.len() && q.iter().zip(arm.ranges).all(|(&value, range)| range.holds(value));
+    if let Some(turn) = corners.iter().find(|q| !fits(q)) {
+        return Err(other("a turn of a move", &format!("{turn:?}"), "joint values within the limits"));
+    }
+    let time: f64 = corners.windows(2).map(|pair| least(pair[0], pair[1])).sum();
+    near("the time of a move", *seconds, time, SAME_TIME * (1.0 + time))?;
+    if i > j {
+        corners.reverse();
+    }
+    let found = MoveDocument::of_safety(arm.look_at(&corners).as_ref(), &problem.robot.tree);
+    alike("whether a move is safe", safe, &found.safe)?;
+    alike("what a move endangers", endangered, &found.endangered)?;
+    let lists = [[clearance_m, &found.clearance_m], [tip_over_margin_m, &found.tip_over_margin_m]];
+    for [stated, found] in lists.map(|pair| pair.map(|value| value.iter().copied().collect::<Vec<f64>>())) {
+        numbers("margin on a move", &stated, &found, |what, stated, found| near(what, stated, found, SAME_MARGIN))?;
+    }
+    Ok(time)
 }
 
 /// Time of a straight move from rest to rest: the joints together accelerate as the most sluggish of them allows, up to the speed of the

@@ -20,8 +20,6 @@ pub(crate) const MADE_BY: &str =
 pub(crate) const EFFORT: &str = "describes the effort of a search, which only the search can reproduce";
 /// What is not claimed.
 pub(crate) const UNBOUNDED: &str = "is left out; nothing is claimed of poses at other joint values";
-/// What is not said of the order.
-pub(crate) const UNORDERED: &str = "is left out; nothing is claimed of the time that the poses take";
 /// What a search for the best order claims.
 pub(crate) const ORDERED: &str = "was proven by a search for the best order, which only `calipose plan` can repeat";
 /// What a search claims.

@@ -23,7 +23,7 @@ pub use robustness::{RobustnessDocument, ScenarioDocument, SeenView, TrialDocume
 pub use run::{Run, RunProblem, RunSeconds};
 pub use survey_counts::SurveyCounts;
 pub(crate) use survey_counts::rejected_by_name;
-pub use tour::TourDocument;
+pub use tour::{MoveDocument, TourDocument};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -226,9 +226,7 @@ impl Plan {
 
     /// The poses in the order in which to take them: that of the tour, by ascending id in plans without one.
     pub fn in_order(&self) -> Vec<&PlannedPose> {
-        let Some(tour) = &self.tour else { return self.poses.iter().collect() };
-        let of_id = |id: &usize| self.poses.iter().find(|pose| pose.id == *id);
-        tour.order.iter().filter_map(of_id).collect()
+        tour::in_order(&self.poses, self.tour.as_ref())
     }
 
     /// The bytes of `plan.csv`: one pose a line under a header, in the order in which to take them, the values of all of `joints` in rad (m) under

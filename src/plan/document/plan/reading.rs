@@ -5,7 +5,8 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 use thiserror::Error;
 
-use super::{Intrinsics, Plan, PlannedPose, PolishedPlan};
+use super::tour::in_order;
+use super::{Intrinsics, Plan, PlannedPose, PolishedPlan, TourDocument};
 use crate::plan::document::header::{Document, ProblemReference};
 
 /// Why a text is not a plan.
@@ -79,6 +80,9 @@ pub struct PlannedPoses {
     pub joints: Vec<String>,
     /// The poses.
     pub poses: Vec<PlannedPose>,
+    /// The order in which to take them, if there is one.
+    #[serde(default)]
+    pub tour: Option<TourDocument>,
 }
 
 impl PlannedPoses {
@@ -89,11 +93,16 @@ impl PlannedPoses {
     pub fn from_json(text: &str) -> Result<Self, PlanReadError> {
         read(text, &[(Plan::FORMAT, Plan::VERSION), (PolishedPlan::FORMAT, PolishedPlan::VERSION)])
     }
+
+    /// The poses in the order in which to take them: that of the tour, as they are listed where there is none.
+    pub fn in_order(&self) -> Vec<&PlannedPose> {
+        in_order(&self.poses, self.tour.as_ref())
+    }
 }
 
 impl From<&Plan> for PlannedPoses {
     fn from(plan: &Plan) -> Self {
-        let Plan { problem, intrinsics, joints, poses, .. } = plan.clone();
-        Self { problem, intrinsics, joints, poses }
+        let Plan { problem, intrinsics, joints, poses, tour, .. } = plan.clone();
+        Self { problem, intrinsics, joints, poses, tour }
     }
 }

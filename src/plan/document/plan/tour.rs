@@ -1,15 +1,18 @@
-//! The order in which a plan's poses take least time.
+//! The order in which a plan's poses take least time, and the moves between them.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::PlannedPose;
-use crate::motion::timing::duration;
-use crate::motion::tour::{Costs, Ends, cost, tour};
+use crate::feasibility::Collision;
+use crate::motion::journey::{Arm, Blocked, Clear, Journey, Move};
+use crate::motion::tour::Ends;
+use crate::motion::{Danger, Safety};
 use crate::problem::{MotionSettings, Problem};
+use crate::robot::{Limits, Tree};
 
-/// The order of the poses in which the arm's moves take least time: all joints start and stop together, along straight lines in joint
-/// space, as fast as the greatest speeds and accelerations allow.
+/// The order of the poses in which the arm's moves take least time, as far as was found: all joints start and stop together, along
+/// straight lines in joint space, as fast as the greatest speeds and accelerations allow.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TourDocument {
     /// Ids of the poses in this order.
@@ -19,14 +22,14 @@ pub struct TourDocument {
     pub home_rad: Option<Vec<f64>>,
     /// Whether the tour ends at home too.
     pub returns: bool,
-    /// Times of the moves one after the other: from home to the first pose where there is a home, from pose to pose, and back where
-    /// the tour returns.
-    pub moves_s: Vec<f64>,
+    /// The moves one after the other: from home to the first pose where there is a home, from pose to pose, and back where the tour
+    /// returns.
+    pub moves: Vec<MoveDocument>,
     /// Time of all moves.
     pub moving_s: f64,
     /// What the moves of no order take less than.
     pub least_moving_s: f64,
-    /// Time of all moves if the poses were taken by ascending id.
+    /// Time of straight moves, safe or not, if the poses were taken by ascending id.
     pub moving_by_id_s: f64,
     /// Time for the pictures at each pose.
     pub dwell_s: f64,
@@ -37,40 +40,108 @@ pub struct TourDocument {
     pub assumed_speeds: Vec<String>,
 }
 
+/// A move from pose to pose.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct MoveDocument {
+    /// Its time, with a stop at every turn.
+    pub seconds: f64,
+    /// Joint values, rad (m for prismatic joints), at which it turns; left out where it is straight.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub via_rad: Vec<Vec<f64>>,
+    /// Whether it is proven that all along the move no tested links come within the clearance and the robot does not tip over; left
+    /// out where neither is tested.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub safe: Option<bool>,
+    /// What the distance of tested links does not sink below on the move, where it is safe and they are tested.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub clearance_m: Option<f64>,
+    /// What the tip-over margin does not sink below, where the move is safe and that is tested.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub tip_over_margin_m: Option<f64>,
+    /// What comes nearest to failing on a safe move, or stands in the way of one that is not: the names of two links, or none and
+    /// none for tipping over.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub endangered: Option<Vec<String>>,
+}
+
 impl TourDocument {
-    /// Of poses in the order of their ids; the seed decides where good orders are sought.
+    /// Of poses in the order of their ids; the seed decides where good orders and ways round are sought.
     pub(super) fn new(problem: &Problem, poses: &[PlannedPose], seed: u64) -> Self {
         let MotionSettings { greatest: _, share: _, assumed, home, dwell } = &problem.motion;
-        let limits = problem.motion.limits();
+        let joints = &problem.robot.chain.joints;
+        let (limits, ranges) =
+            (problem.motion.limits(), joints.iter().map(|joint| joint.limits).collect::<Vec<Limits>>());
+        let collision = Collision::new(&problem.robot, problem.clearance);
+        let safety = Safety::new(&problem.robot, &collision, problem.stability.as_ref());
+        let arm = Arm { safety, limits: &limits, ranges: &ranges };
         // Home comes after the poses.
-        let stops: Vec<&[f64]> = poses
-            .iter()
-            .map(|pose| &pose.joints_rad)
-            .chain(home.iter().map(|home| &home.q))
-            .map(Vec::as_slice)
-            .collect();
-        let costs = Costs::from_fn(stops.len(), |i, j| duration(stops[i], stops[j], &limits));
+        let stops = poses.iter().map(|pose| &pose.joints_rad).chain(home.iter().map(|home| &home.q));
+        let stops: Vec<&[f64]> = stops.map(Vec::as_slice).collect();
         let ends = match home {
             None => Ends::Open,
             Some(home) if home.returns => Ends::Round(poses.len()),
             Some(_) => Ends::From(poses.len()),
         };
-        let found = tour(&costs, ends, seed);
-        let by_id: Vec<usize> = ends.home().into_iter().chain(0..poses.len()).collect();
-        let back = found.order.first().filter(|_| matches!(ends, Ends::Round(_)));
-        let way: Vec<usize> = found.order.iter().chain(back).copied().collect();
-        let names = assumed.iter().map(|&j| problem.robot.chain.joints[j].name.clone());
+        let Journey { order, moves, least, as_numbered } = Journey::new(&arm, &stops, ends, seed);
+        let moving: f64 = moves.iter().map(|found| found.seconds).sum();
         Self {
-            order: found.order.iter().filter_map(|&stop| poses.get(stop)).map(|pose| pose.id).collect(),
+            order: order.iter().filter_map(|&stop| poses.get(stop)).map(|pose| pose.id).collect(),
             home_rad: home.as_ref().map(|home| home.q.clone()),
-            returns: back.is_some(),
-            moves_s: way.windows(2).map(|pair| costs.between(pair[0], pair[1])).collect(),
-            moving_s: found.cost,
-            least_moving_s: found.bound,
-            moving_by_id_s: cost(&costs, ends, &by_id),
+            returns: home.as_ref().is_some_and(|home| home.returns),
+            moves: moves.into_iter().map(|found| MoveDocument::new(found, &problem.robot.tree)).collect(),
+            moving_s: moving,
+            // Where all is straight and the order proven best, the two are summed in another order.
+            least_moving_s: least.min(moving),
+            moving_by_id_s: as_numbered,
             dwell_s: *dwell,
-            total_s: found.cost + dwell * poses.len() as f64,
-            assumed_speeds: names.collect(),
+            total_s: moving + dwell * poses.len() as f64,
+            assumed_speeds: assumed.iter().map(|&j| joints[j].name.clone()).collect(),
+        }
+    }
+
+    /// The move to the pose of that place in the order; none to the first where there is no home.
+    pub fn move_to(&self, place: usize) -> Option<&MoveDocument> {
+        let first = usize::from(self.home_rad.is_none());
+        place.checked_sub(first).and_then(|place| self.moves.get(place))
+    }
+
+    /// The moves that are not proven safe though something is tested, by their places.
+    pub fn blocked(&self) -> impl Iterator<Item = (usize, &MoveDocument)> {
+        self.moves.iter().enumerate().filter(|(_, way)| way.safe == Some(false))
+    }
+}
+
+/// Poses in the order of their tour, as they are listed where there is none.
+pub(super) fn in_order<'p>(poses: &'p [PlannedPose], tour: Option<&TourDocument>) -> Vec<&'p PlannedPose> {
+    let Some(tour) = tour else { return poses.iter().collect() };
+    tour.order.iter().filter_map(|id| poses.iter().find(|pose| pose.id == *id)).collect()
+}
+
+impl MoveDocument {
+    fn new(Move { via, seconds, safety }: Move, tree: &Tree) -> Self {
+        // Moves that take the same time say so to the last digit.
+        let seconds = (seconds * 1e9).round() / 1e9;
+        Self { seconds, via_rad: via, ..Self::of_safety(safety.as_ref(), tree) }
+    }
+
+    /// What is known of the safety of a move that takes no time.
+    pub(crate) fn of_safety(safety: Option<&Result<Clear, Blocked>>, tree: &Tree) -> Self {
+        let names = |danger: Danger| match danger {
+            Danger::Contact(links) => links.map(|link| tree.links[link].name.clone()).to_vec(),
+            Danger::TippingOver => vec![],
+        };
+        let clear = safety.and_then(|safety| safety.as_ref().ok());
+        let danger = safety.and_then(|safety| match safety {
+            Ok(clear) => clear.nearest,
+            Err(blocked) => Some(blocked.danger),
+        });
+        Self {
+            seconds: 0.0,
+            via_rad: vec![],
+            safe: safety.map(Result::is_ok),
+            clearance_m: clear.and_then(|clear| clear.clearance),
+            tip_over_margin_m: clear.and_then(|clear| clear.tip_over_margin),
+            endangered: danger.map(names),
         }
     }
 }

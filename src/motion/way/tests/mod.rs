@@ -1,0 +1,3 @@
+mod search;
+mod straight;
+mod worlds;
