@@ -2,7 +2,7 @@
 
 use super::compare::{alike, near, number, numbers, other, same};
 use super::error::CertifyError;
-use super::unchecked::{ORDERED, Unchecked};
+use super::unchecked::{ORDERED, TIED, Unchecked};
 use crate::feasibility::Collision;
 use crate::motion::journey::Arm;
 use crate::motion::{JointLimits, Safety};
@@ -74,8 +74,18 @@ pub(crate) fn takes_that_time(
     let by_id: Vec<usize> = (0..poses.len()).collect();
     let close = |what: &str, stated, found| number(what, stated, found, SAME_TIME);
     close("the time of all moves", *moving_s, moving)?;
-    let straight = way(&by_id).into_iter().map(|[i, j]| least(stops[i], stops[j])).sum();
-    close("the time of all moves by ascending id", *moving_by_id_s, straight)?;
+    let straight =
+        |order: &[usize]| -> Vec<f64> { way(order).into_iter().map(|[i, j]| least(stops[i], stops[j])).collect() };
+    close("the time of all moves by ascending id", *moving_by_id_s, straight(&by_id).iter().sum())?;
+    let own = straight(&places);
+    let is_tied = (1..places.len()).any(|place| {
+        let mut other = places.clone();
+        other.swap(place - 1, place);
+        straight(&other).iter().zip(&own).all(|(other, own)| (other - own).abs() <= SAME_TIME * (1.0 + own))
+    });
+    if is_tied {
+        unchecked.extend(Unchecked::all(&["tour.order"], TIED));
+    }
     close("the time of all moves and pictures", *total_s, moving + dwell * poses.len() as f64)?;
     if !(0.0..=moving * (1.0 + SAME_TIME)).contains(least_moving_s) {
         near("what the moves of no order take less than", *least_moving_s, moving, 0.0)?;

@@ -22,6 +22,8 @@ pub(crate) const EFFORT: &str = "describes the effort of a search, which only th
 pub(crate) const UNBOUNDED: &str = "is left out; nothing is claimed of poses at other joint values";
 /// What a search for the best order claims.
 pub(crate) const ORDERED: &str = "was proven by a search for the best order, which only `calipose plan` can repeat";
+/// What may as well be otherwise.
+pub(crate) const TIED: &str = "is one of several orders whose moves take the same times";
 /// What a search claims.
 pub(crate) const BY_SEARCH: &str = "was found by search, which only `calipose plan` can repeat; the matrix proves less";
 
