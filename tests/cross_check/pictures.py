@@ -164,8 +164,11 @@ def rendered(problem_path, plan_path):
     folder = STATE["folder"] / "pictures"
     options = {"blur-px": BLUR_PX, "gradient": GRADIENT, "supersampling": SUBPIXELS, "noise": 0, "output": folder, "problem": problem_path}
     run = [program(), "render", plan_path, "--json", "--quiet", *[f"--{name}={value}" for name, value in options.items()]]
-    files = json.loads(subprocess.run(run, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, check=True).stdout)["pictures"]
-    return [cv2.imread(str(folder / entry["file"]), cv2.IMREAD_GRAYSCALE) for entry in files]
+    pictures = json.loads(subprocess.run(run, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, check=True).stdout)["pictures"]
+    # They are numbered in the order of the tour, and the plan lists its poses by their ids.
+    files = {entry["pose"]: entry["file"] for entry in pictures}
+    ids = [pose["id"] for pose in json.loads(Path(plan_path).read_text())["poses"]]
+    return [cv2.imread(str(folder / files[pose]), cv2.IMREAD_GRAYSCALE) for pose in ids]
 
 
 def corners_in(picture, view):
