@@ -4,8 +4,8 @@ use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 
-use super::rates::{common_ancestor, travel};
 use super::solid::{Placed, Solid};
+use super::travel::{common_ancestor, travel};
 use crate::robot::{Limits, Motion, Robot, Tree};
 use crate::spatial::Pose;
 

@@ -6,11 +6,11 @@
 mod collision;
 mod hull;
 mod occlusion;
-mod rates;
 mod rejection;
 mod shortfall;
 mod solid;
 mod stability;
+mod travel;
 mod views;
 mod visibility;
 

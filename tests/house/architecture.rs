@@ -84,7 +84,7 @@ const ROOMS: [(&str, &[&str]); 44] = [
             "shortfall",
             "solid",
             "hull",
-            "rates",
+            "travel",
             "collision",
             "occlusion",
             "stability",
