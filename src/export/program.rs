@@ -104,6 +104,17 @@ impl Program<'_> {
         self.stops.iter().filter(|stop| stop.picture)
     }
 
+    /// What files say that hold the poses alone, where the robot turns on its way from one to another.
+    pub(super) fn note_of_turns(&self) -> Option<String> {
+        let turns = self.stops.iter().filter(|stop| !stop.picture).count();
+        (turns > 0).then(|| {
+            format!(
+                "NOT in this file: {turns} turns on the way from pose to pose. Straight moves there are not safe: let the ways be planned \
+                 with all that stands around the robot, or take another format."
+            )
+        })
+    }
+
     /// Whether every joint turns.
     pub(super) fn turns_only(&self) -> bool {
         self.joints.iter().all(|joint| joint.kind == JointKind::Revolute)
@@ -136,7 +147,7 @@ impl Program<'_> {
                 return Err(ExportError::JointName { name: name.to_owned() });
             }
             for (what, value) in [("speed", joint.speed), ("acceleration", joint.acceleration)] {
-                within(&format!("the greatest {what} of \"{name}\""), value, 1e-3, MOST, "0.001 to 1e6 in SI units")?;
+                within(&format!("the greatest {what} of \"{name}\""), value, 1e-9, MOST, "1e-9 to 1e6 in SI units")?;
             }
         }
         Ok(())
@@ -156,7 +167,7 @@ impl Program<'_> {
 /// That a move has a time, and time if it is one.
 fn check_time(leg: &Leg) -> Result<(), ExportError> {
     let moves = leg.from.is_some_and(|from| from != leg.to);
-    let (least, expected) = if moves { (1e-3, "0.001 to 86400 s") } else { (0.0, "0 to 86400 s") };
+    let (least, expected) = if moves { (f64::MIN_POSITIVE, "above 0, up to 86400 s") } else { (0.0, "0 to 86400 s") };
     within(&format!("the time of the move to {}", leg.label), leg.seconds, least, MOST_SECONDS, expected)
 }
 

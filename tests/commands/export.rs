@@ -54,6 +54,14 @@ fn a_share_of_the_speed_and_a_dwell_take_the_place_of_the_problems() {
     desk.json("export out/plan.json --to csv,joint-trajectory --json");
     let slow = desk.json("export out/plan.json --to csv --speed-percent 10 --dwell-s 2.5 -o slow --json");
     assert_eq!((slow["speed_percent"].clone(), slow["dwell_s"].clone()), (10.0.into(), 2.5.into()));
+    // The least share that may be asked for is one that every format takes.
+    let formats = "ros2-goals,joint-trajectory,robot-calibration,moveit-calibration,rapid,krl,fanuc-ls,csv";
+    desk.json(&format!("export out/plan.json --to {formats} --speed-percent 0.1 -o slowest --json"));
+    let said = desk.prose("export out/plan.json --to csv -o said");
+    assert!(
+        said.contains("were not tested for collision") && said.contains("The way to home is not planned."),
+        "{said}"
+    );
     let table = rows(&desk, "slow/Servosila_Engineer.csv");
     assert_eq!(column(&table, "label").len(), 10, "home and nine poses");
     assert_eq!(column(&table, "label")[0], "home");

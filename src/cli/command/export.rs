@@ -77,11 +77,12 @@ pub(crate) fn run(arguments: &ExportArguments, screen: &mut Screen) -> Result<()
     let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
     let safe = match &plan.tour {
         Some(tour) if tour.blocked().next().is_some() => " NOT ALL MOVES ARE SAFE: see what `calipose plan` said.",
-        Some(tour) if !tour.moves.is_empty() && tour.moves.iter().all(|found| found.safe == Some(true)) => "",
-        _ => " Nothing was tested for collision on the way from pose to pose.",
+        Some(tour) if tour.moves.iter().all(|found| found.clearance_m.is_some()) => "",
+        _ => " The moves from pose to pose were not tested for collision.",
     };
+    let start = if program.home.is_some() { "home" } else { "the first pose" };
     screen.text(&wrapped(&format!(
-        "Written to {}: {}. Try them in simulation first, then at low speed with a hand on the stop.{safe}",
+        "Written to {}: {}. Try them in simulation first, then at low speed with a hand on the stop.{safe} The way to {start} is not planned.",
         folder.display(),
         names.join(", ")
     )))

@@ -81,9 +81,9 @@ fn notes(program: &Program, axes: &Axes) -> Vec<String> {
          upwards. Test: at a stop, turn J2 alone. The forearm must keep its tilt."
             .to_owned(),
         format!(
-"Speeds are percent of the machine's own: {} % between the stops. Lower them if the plan's speeds are lower.",
-percent(program)
-),
+            "Speeds are percent of the machine's own: {} % between the stops. Lower them if the plan's speeds are lower.",
+            percent(program)
+        ),
     ]
 }
 

@@ -45,7 +45,7 @@ fn notes() -> Vec<String> {
         "Run: ros2 run ros2_controllers_test_nodes publisher_joint_trajectory_controller --ros-args --params-file FILE. \
          controller_name must be the controller's.",
         "The node gives the robot 4 s for every goal. Moves that take longer have goals on their way, with the same wait: take \
-         no picture at those called to_…",
+         pictures at the goals of poses alone, not at home nor at those called to_… or way_…",
         "Stop the node after the last goal: it begins again with the first, and the way there may not be planned.",
     ]
     .map(str::to_owned)

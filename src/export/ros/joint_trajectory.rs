@@ -1,4 +1,5 @@
-//! `trajectory_msgs/JointTrajectory`: two points a stop, its arrival and its departure, at rest at both.
+//! `trajectory_msgs/JointTrajectory`: two points where the robot stands, its arrival and its departure, one where it only turns, at rest at
+//! all of them.
 //!
 //! Sources: `JointTrajectory.msg` and `JointTrajectoryPoint.msg` of `common_interfaces`. Between points with positions and
 //! velocities the controllers of ros-controls draw a cubic.
@@ -34,7 +35,7 @@ fn notes() -> Vec<String> {
     [
         "Run: ros2 topic pub --once /joint_trajectory_controller/joint_trajectory trajectory_msgs/msg/JointTrajectory \
          --yaml-file FILE (before ROS 2 Kilted \"$(cat FILE)\" in place of the last two).",
-        "Every stop has two points, its arrival and its departure. Moves are cubics at rest at both ends; where one would be \
+        "Where the robot stands for a picture there are two points, its arrival and its departure. Moves are cubics at rest at both ends; where one would be \
          faster than the joints may be, it takes longer than planned.",
     ]
     .map(str::to_owned)

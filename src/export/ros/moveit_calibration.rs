@@ -18,7 +18,8 @@ fn write(program: &Program) -> String {
     let joints = yaml::texts(program.joints.iter().map(|joint| joint.name.as_str()));
     let note = "The joints must be the active ones of the move group. MoveIt plans the ways itself, at half of its speeds. A \
                 home is not among the states, since a sample is taken at each.";
-    let mut text = beginning(program, &[note.to_owned()]);
+    let notes: Vec<String> = std::iter::once(note.to_owned()).chain(program.note_of_turns()).collect();
+    let mut text = beginning(program, &notes);
     text += &format!("joint_names: {joints}\njoint_values:\n");
     for stop in program.visits() {
         text += &format!("  - {}\n", yaml::numbers(&stop.q));

@@ -17,7 +17,8 @@ pub(in crate::export) const ROBOT_CALIBRATION: Export = Export {
 fn write(program: &Program) -> String {
     let joints = yaml::texts(program.joints.iter().map(|joint| joint.name.as_str()));
     let note = "The speed is robot_calibration's own. A home is not among the poses, since a picture is taken at each.";
-    let mut text = beginning(program, &[note.to_owned()]);
+    let notes: Vec<String> = std::iter::once(note.to_owned()).chain(program.note_of_turns()).collect();
+    let mut text = beginning(program, &notes);
     for stop in program.visits() {
         let label = one_line(&stop.label);
         text += &format!("# {label}\n- joints: {joints}\n  positions: {}\n  features: []\n", yaml::numbers(&stop.q));
@@ -29,6 +30,15 @@ fn write(program: &Program) -> String {
 mod tests {
     use super::*;
     use crate::export::example::{joints, program, stops};
+
+    #[test]
+    fn turns_that_are_left_out_are_told() {
+        let (joints, mut stops) = (joints(), stops());
+        stops[0].picture = false;
+        let text = write(&program(&joints, &stops));
+        assert!(text.contains("NOT in this file: 1 turns") && !text.contains("pose 7\n"), "{text}");
+        assert_eq!(text.matches("positions:").count(), 1);
+    }
 
     #[test]
     fn a_pose_a_stop() {

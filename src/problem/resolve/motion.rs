@@ -13,7 +13,7 @@ use crate::robot::{Joint, JointKind};
 /// Speeds and accelerations, in the units of the keys.
 const SPEED: Allowed = Allowed::positive(1e6);
 const ACCELERATION: Allowed = Allowed::positive(1e6);
-const PERCENT: Allowed = Allowed::positive(100.0);
+const PERCENT: Allowed = Allowed::between(0.1, 100.0);
 const DWELL: Allowed = Allowed::between(0.0, 3600.0);
 
 /// Time in s in which a joint reaches its greatest speed whose acceleration nobody states.
