@@ -7,8 +7,8 @@ use rayon::prelude::*;
 use super::safety::{Danger, Safety};
 use super::timing::{JointLimits, duration};
 use super::tour::{Costs, Ends, Tour, cost, tour};
-use super::way::{Effort, Failure, Place, Precision, Settings, Space, find, prove};
-use crate::robot::Limits;
+use super::way::{Effort, Failure, Precision, Settings, Space, find, prove};
+use crate::robot::{Limits, Robot};
 
 /// What the search for a way round may take: half a second or so.
 const MOST: Effort = Effort { nodes: 2000, evaluations: 20_000 };
@@ -20,14 +20,12 @@ const MOST_TOURS: usize = 60;
 const AVOIDED: f64 = 10.0;
 
 /// What moves are made by.
-#[derive(Clone, Copy)]
 pub struct Arm<'a> {
-    /// What must hold on the way.
-    pub safety: Safety<'a>,
+    safety: Safety<'a>,
     /// What each joint may do.
-    pub limits: &'a [JointLimits],
+    limits: Vec<JointLimits>,
     /// What each joint's value may be, rad or m.
-    pub ranges: &'a [Limits],
+    ranges: Vec<Limits>,
 }
 
 /// Stops in the order in which safe moves between them take least time, as far as was found.
@@ -70,8 +68,6 @@ pub struct Clear {
 pub struct Blocked {
     /// What stands in the way.
     pub danger: Danger,
-    /// The share of the move that lies before the place.
-    pub share: f64,
 }
 
 impl Journey {
@@ -80,21 +76,30 @@ impl Journey {
     /// # Panics
     /// When home is none of the stops.
     pub fn new(arm: &Arm, stops: &[&[f64]], ends: Ends, seed: u64) -> Self {
-        let straight = Costs::from_fn(stops.len(), |i, j| duration(stops[i], stops[j], arm.limits));
+        let straight = Costs::from_fn(stops.len(), |i, j| duration(stops[i], stops[j], &arm.limits));
         let numbered: Vec<usize> =
             ends.home().into_iter().chain((0..stops.len()).filter(|&stop| Some(stop) != ends.home())).collect();
         let first = tour(&straight, ends, seed);
         let avoided = AVOIDED * cost(&straight, ends, &numbered);
         let mut known: BTreeMap<[usize; 2], Move> = BTreeMap::new();
+        // The best of the tours whose moves are all known, by how many are blocked and by its time.
+        let mut best: Option<((usize, f64), Tour)> = None;
         let mut found = first.clone();
         for _ in 0..MOST_TOURS {
-            let open: Vec<[usize; 2]> =
-                pairs(&found, ends).into_iter().map(sorted).filter(|pair| !known.contains_key(pair)).collect();
-            if open.is_empty() {
+            let legs: Vec<[usize; 2]> = pairs(&found, ends).into_iter().map(sorted).collect();
+            let open: Vec<[usize; 2]> = legs.iter().copied().filter(|pair| !known.contains_key(pair)).collect();
+            let is_last = open.is_empty();
+            let moves = open.into_par_iter().map(|[i, j]| ([i, j], arm.go(stops[i], stops[j], seed)));
+            known.extend(moves.collect::<Vec<_>>());
+            let of_tour = || legs.iter().filter_map(|pair| known.get(pair));
+            let blocked = of_tour().filter(|found| matches!(found.safety, Some(Err(_)))).count();
+            let worth = (blocked, of_tour().map(|found| found.seconds).sum());
+            if best.as_ref().is_none_or(|(least, _)| worth < *least) {
+                best = Some((worth, found));
+            }
+            if is_last {
                 break;
             }
-            let moves = open.par_iter().map(|&[i, j]| ([i, j], arm.go(stops[i], stops[j], seed)));
-            known.extend(moves.collect::<Vec<_>>());
             let cost = |i: usize, j: usize| match known.get(&[i, j]) {
                 Some(Move { safety: Some(Err(_)), .. }) => avoided,
                 Some(found) => found.seconds,
@@ -102,10 +107,10 @@ impl Journey {
             };
             found = tour(&Costs::from_fn(stops.len(), cost), ends, seed);
         }
-        let moves = pairs(&found, ends).into_iter().map(|[i, j]| {
-            let known = known.get(&sorted([i, j])).cloned();
-            let there = known.unwrap_or_else(|| arm.go(stops[i.min(j)], stops[i.max(j)], seed));
-            if i < j { there } else { there.reversed() }
+        let found = best.map_or_else(|| first.clone(), |(_, found)| found);
+        let moves = pairs(&found, ends).into_iter().filter_map(|[i, j]| {
+            let there = known.get(&sorted([i, j]))?.clone();
+            Some(if i < j { there } else { Move { via: there.via.into_iter().rev().collect(), ..there } })
         });
         Self {
             moves: moves.collect(),
@@ -116,16 +121,28 @@ impl Journey {
     }
 }
 
-impl Arm<'_> {
+impl<'a> Arm<'a> {
+    /// The arm of a robot whose joints may do so much, with what must hold on its way.
+    pub fn new(robot: &Robot, limits: Vec<JointLimits>, safety: Safety<'a>) -> Self {
+        Self { safety, limits, ranges: robot.chain.joints.iter().map(|joint| joint.limits).collect() }
+    }
+
+    /// Whether a configuration is within the limits of all joints.
+    pub fn reaches(&self, q: &[f64]) -> bool {
+        q.len() == self.ranges.len() && q.iter().zip(&self.ranges).all(|(&value, range)| range.holds(value))
+    }
+
     /// The move between two places: straight where that is safe or nothing is tested, else by a way round, if one is found.
     fn go(&self, from: &[f64], to: &[f64], seed: u64) -> Move {
-        let cost = |from: &[f64], to: &[f64]| duration(from, to, self.limits);
+        let cost = |from: &[f64], to: &[f64]| duration(from, to, &self.limits);
         let straight = |safety| Move { via: vec![], seconds: cost(from, to), safety };
         if self.safety.is_empty() {
             return straight(None);
         }
-        let space = Space { margins: &self.safety, limits: self.ranges, cost: &cost };
-        let (corners, seconds) = match find(&space, from, to, &Settings { most: MOST, seed, ..Settings::default() }) {
+        let space = Space { margins: &self.safety, limits: &self.ranges, cost: &cost };
+        // The margins are looked at below.
+        let settings = Settings { precision: Precision::VERDICT, most: MOST, seed, ..Settings::default() };
+        let (corners, seconds) = match find(&space, from, to, &settings) {
             Ok(way) => (way.corners, way.cost),
             Err(_) => (vec![from.to_vec(), to.to_vec()], cost(from, to)),
         };
@@ -148,25 +165,13 @@ impl Arm<'_> {
                             clear.nearest = Some(kind.danger(seen.margin));
                         }
                     }
-                    Err(Failure { place: Place { margin, share, .. }, .. }) => {
-                        return Some(Err(Blocked { danger: kind.danger(margin), share }));
-                    }
+                    Err(Failure { place, .. }) => return Some(Err(Blocked { danger: kind.danger(place.margin) })),
                 }
             }
             let distance = if kind.is_balance() { &mut clear.tip_over_margin } else { &mut clear.clearance };
             *distance = Some(kind.distance(least));
         }
         (!self.safety.is_empty()).then_some(Ok(clear))
-    }
-}
-
-impl Move {
-    fn reversed(mut self) -> Self {
-        self.via.reverse();
-        if let Some(Err(blocked)) = &mut self.safety {
-            blocked.share = 1.0 - blocked.share;
-        }
-        self
     }
 }
 

@@ -7,7 +7,7 @@ use crate::feasibility::{Collision, LinkPair, Stability};
 use crate::robot::{Robot, Tree};
 
 /// By how much less, m, the clearance and the tip-over margin may be on the way than at a pose, up to half of them. The best poses often
-/// lie at the very border of what is allowed, and of a way that begins there nothing could be proven.
+/// lie at the very border of what is allowed, and of a way that begins there nothing could be proven. Of a clearance of 0 nothing is spared.
 const SLACK: f64 = 1e-3;
 
 /// What must hold on a robot's way, as far as it is tested.
@@ -56,7 +56,9 @@ impl<'a> Safety<'a> {
             margins: pairs..pairs + 1,
             kept: kept(stability.margin),
         });
-        std::iter::once(contact).chain(balance).filter(|kind| !kind.margins.is_empty()).collect()
+        // Pairs of links without solids are never near each other.
+        let contact = Some(contact).filter(|_| !self.collision.is_empty());
+        contact.into_iter().chain(balance).collect()
     }
 }
 

@@ -102,8 +102,8 @@ pub fn on_the_way(tour: &TourDocument) -> String {
 /// What is known of the moves between the poses, where something is tested.
 fn safety(tour: &TourDocument) -> String {
     let named = |endangered: &Option<Vec<String>>| match endangered.as_deref() {
-        Some([a, b]) => format!("{a} and {b} would touch"),
-        _ => "the robot would tip over".to_owned(),
+        Some([a, b]) => format!("{a} and {b} come within the clearance"),
+        _ => "the tip-over margin falls below what is allowed".to_owned(),
     };
     let blocked: Vec<String> =
         tour.blocked().map(|(place, found)| format!("move {} ({})", place + 1, named(&found.endangered))).collect();
@@ -115,21 +115,24 @@ fn safety(tour: &TourDocument) -> String {
         );
     }
     let least = |of: fn(&MoveDocument) -> Option<f64>| tour.moves.iter().filter_map(of).reduce(f64::min);
-    let clearance =
-        least(|found| found.clearance_m).map(|least| format!("no tested links come nearer than {:.0} mm", 1e3 * least));
+    // A bound is not rounded up.
+    let millimetres = |least: f64| format!("{:.1} mm", (1e4 * least).floor() / 10.0);
+    let clearance = least(|found| found.clearance_m)
+        .map(|least| format!("no tested links come nearer than {}", millimetres(least)));
     let balance = least(|found| found.tip_over_margin_m)
-        .map(|least| format!("the tip-over margin stays above {:.0} mm", 1e3 * least));
-    let proven: Vec<String> = clearance.into_iter().chain(balance).collect();
-    if proven.is_empty() {
+        .map(|least| format!("the tip-over margin stays above {}", millimetres(least)));
+    if clearance.is_none() && balance.is_none() {
         return String::new();
     }
+    let untested = if clearance.is_none() { " Links were not tested for collision." } else { "" };
+    let proven: Vec<String> = clearance.into_iter().chain(balance).collect();
     let round = tour.moves.iter().filter(|found| !found.via_rad.is_empty()).count();
     let round = match round {
         0 => "all moves straight".to_owned(),
         1 => "one move goes round about".to_owned(),
         round => format!("{round} moves go round about"),
     };
-    format!("\nProven all along the way: {} ({round}).", proven.join(", "))
+    format!("\nProven all along the way: {} ({round}).{untested}", proven.join(", "))
 }
 
 /// How much more than a share there is, in %.
@@ -198,5 +201,62 @@ pub fn family(design: &DesignDocument) -> String {
             design.best.value.map_or_else(|| "-".into(), short)
         ),
         (None, None) => String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tour(moves: Vec<MoveDocument>) -> TourDocument {
+        TourDocument {
+            order: (0..=moves.len()).collect(),
+            home_rad: None,
+            returns: false,
+            moving_s: moves.iter().map(|found| found.seconds).sum(),
+            least_moving_s: 3.0,
+            moving_by_id_s: 9.0,
+            dwell_s: 1.0,
+            total_s: 7.0,
+            assumed_speeds: vec![],
+            moves,
+        }
+    }
+
+    fn safe(clearance_m: Option<f64>, tip_over_margin_m: Option<f64>) -> MoveDocument {
+        MoveDocument {
+            seconds: 2.0,
+            via_rad: vec![],
+            safe: Some(true),
+            clearance_m,
+            tip_over_margin_m,
+            endangered: None,
+        }
+    }
+
+    #[test]
+    fn what_is_proven_is_not_rounded_up() {
+        let said = on_the_way(&tour(vec![safe(Some(0.0046), Some(0.0207)), safe(Some(0.004_69), Some(0.3))]));
+        assert!(said.contains("no order takes more than 25.00 % less"), "{said}");
+        assert!(
+            said.contains("no tested links come nearer than 4.6 mm, the tip-over margin stays above 20.7 mm"),
+            "{said}"
+        );
+        assert!(said.ends_with("(all moves straight)."), "{said}");
+        let said = on_the_way(&tour(vec![safe(None, Some(0.03)), safe(None, Some(0.03))]));
+        assert!(said.ends_with("Links were not tested for collision."), "{said}");
+    }
+
+    #[test]
+    fn moves_that_are_not_safe_come_first() {
+        let blocked = |endangered: &[&str]| MoveDocument {
+            safe: Some(false),
+            endangered: Some(endangered.iter().map(|&name| name.to_owned()).collect()),
+            ..safe(None, None)
+        };
+        let said = on_the_way(&tour(vec![safe(Some(0.1), None), blocked(&["arm", "board"]), blocked(&[])]));
+        let expected = "NOT SAFE, and no way round was found: move 2 (arm and board come within the clearance), move 3 (the tip-over \
+                        margin falls below what is allowed).";
+        assert!(said.contains(expected) && !said.contains("Proven"), "{said}");
     }
 }

@@ -72,12 +72,10 @@ pub enum PlanError {
         bound: f64,
     },
     /// The robot cannot be where its tour begins.
-    #[error("{}", describe_home(links.as_ref(), *margin))]
+    #[error("{}", describe_home(links.as_ref()))]
     UnsafeHome {
-        /// Names of two links that are too close to each other; none where the robot would tip over.
+        /// Names of two links that are too close to each other; none where the robot might tip over.
         links: Option<[String; 2]>,
-        /// What is left of their distance, less the clearance, or of the tip-over margin, less the least allowed, m; not positive.
-        margin: f64,
     },
     /// What is known already is not positive definite.
     #[error("the covariance of the calibration is not positive definite to working precision")]
@@ -108,15 +106,12 @@ fn describe_room(count: usize, found: usize, at_most: usize) -> String {
     }
 }
 
-fn describe_home(links: Option<&[String; 2]>, margin: f64) -> String {
+fn describe_home(links: Option<&[String; 2]>) -> String {
     match links {
         Some([a, b]) => {
             format!("the robot cannot be at `motion.home`: {a} and {b} touch there, or are within the clearance")
         }
-        None => format!(
-            "the robot cannot be at `motion.home`: it would tip over, {:.0} mm beyond what is allowed",
-            (-1e3 * margin).max(0.0)
-        ),
+        None => "the robot cannot be at `motion.home`: its tip-over margin is less there than is allowed".into(),
     }
 }
 

@@ -5,7 +5,7 @@ use crate::feasibility::Collision;
 use crate::motion::{Danger, Safety, way};
 use crate::problem::Problem;
 
-/// That at the home of the tour, if there is one, no tested links are within the clearance and the robot does not tip over.
+/// That at the home of the tour, if there is one, tested links keep what they keep on the way, and the robot too.
 ///
 /// # Errors
 /// When it is not so.
@@ -19,6 +19,5 @@ pub fn home_is_safe(problem: &Problem) -> Result<(), PlanError> {
             Danger::Contact(links) => Some(links.map(|link| problem.robot.tree.links[link].name.clone())),
             Danger::TippingOver => None,
         },
-        margin: failure.place.value,
     })
 }

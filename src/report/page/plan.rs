@@ -99,12 +99,16 @@ fn head<'a>(documents: &PlanDocuments<'a>) -> Head<'a> {
 
 /// What to do next.
 fn next(plan: &Plan, holds: Option<bool>) -> Markup {
+    let blocked = plan.tour.as_ref().map_or(0, |tour| tour.blocked().count());
     let untested = plan.collision.as_ref().is_none_or(|collision| !collision.tested);
     html! {
         @if holds == Some(false) {
             "Next: look at the intrinsics that scatter more than predicted below, and add poses or relax the lens model."
         } @else {
             "Next: inspect the poses below, take a picture at each (plan.csv has the joint values), and run " code { "calipose calibrate" } "."
+        }
+        @if blocked > 0 {
+            " " strong { (blocked) " of the moves between the poses are not proven safe" } ": the table says which."
         }
         @if untested {
             " " strong { "Collision was not tested" } ": the problem file gives the robot no bodies, so poses may drive the arm into itself, "

@@ -1,6 +1,6 @@
 //! The times of a plan's moves, reckoned once more.
 
-use super::compare::{alike, near, number, numbers, other, same};
+use super::compare::{alike, different, near, number, numbers, other, same};
 use super::error::CertifyError;
 use super::unchecked::{ORDERED, TIED, Unchecked};
 use crate::feasibility::Collision;
@@ -8,7 +8,6 @@ use crate::motion::journey::Arm;
 use crate::motion::{JointLimits, Safety};
 use crate::plan::document::{MoveDocument, PlannedPose, TourDocument};
 use crate::problem::{MotionSettings, Problem};
-use crate::robot::Limits;
 
 /// Times agree to this share; those of moves, which are stated to a nanosecond, to as many seconds too.
 const SAME_TIME: f64 = 1e-9;
@@ -64,9 +63,7 @@ pub(crate) fn takes_that_time(
     same("the number of moves", &moves.len(), &legs.len())?;
     let collision = Collision::new(&problem.robot, problem.clearance);
     let safety = Safety::new(&problem.robot, &collision, problem.stability.as_ref());
-    let (limits, joints) = (problem.motion.limits(), &problem.robot.chain.joints);
-    let ranges: Vec<Limits> = joints.iter().map(|joint| joint.limits).collect();
-    let arm = Arm { safety, limits: &limits, ranges: &ranges };
+    let arm = Arm::new(&problem.robot, problem.motion.limits(), safety);
     let mut moving = 0.0;
     for (stated, [i, j]) in moves.iter().zip(legs) {
         moving += goes_that_way(stated, problem, &arm, [i, j], &stops, &least)?;
@@ -88,7 +85,7 @@ pub(crate) fn takes_that_time(
     }
     close("the time of all moves and pictures", *total_s, moving + dwell * poses.len() as f64)?;
     if !(0.0..=moving * (1.0 + SAME_TIME)).contains(least_moving_s) {
-        near("what the moves of no order take less than", *least_moving_s, moving, 0.0)?;
+        return Err(different("what the moves of no order take less than", *least_moving_s, moving));
     }
     unchecked.extend(Unchecked::all(&["tour.least_moving_s"], ORDERED));
     Ok(())
@@ -107,9 +104,7 @@ fn goes_that_way(
     let mut corners: Vec<&[f64]> = vec![stops[i]];
     corners.extend(via_rad.iter().map(Vec::as_slice));
     corners.push(stops[j]);
-    let fits =
-        |q: &&[f64]| q.len() == arm.ranges.len() && q.iter().zip(arm.ranges).all(|(&value, range)| range.holds(value));
-    if let Some(turn) = corners.iter().find(|q| !fits(q)) {
+    if let Some(turn) = corners.iter().find(|q| !arm.reaches(q)) {
         return Err(other("a turn of a move", &format!("{turn:?}"), "joint values within the limits"));
     }
     let time: f64 = corners.windows(2).map(|pair| least(pair[0], pair[1])).sum();

@@ -9,7 +9,7 @@ use crate::motion::journey::{Arm, Blocked, Clear, Journey, Move};
 use crate::motion::tour::Ends;
 use crate::motion::{Danger, Safety};
 use crate::problem::{MotionSettings, Problem};
-use crate::robot::{Limits, Tree};
+use crate::robot::Tree;
 
 /// The order of the poses in which the arm's moves take least time, as far as was found: all joints start and stop together, along
 /// straight lines in joint space, as fast as the greatest speeds and accelerations allow.
@@ -48,8 +48,8 @@ pub struct MoveDocument {
     /// Joint values, rad (m for prismatic joints), at which it turns; left out where it is straight.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub via_rad: Vec<Vec<f64>>,
-    /// Whether it is proven that all along the move no tested links come within the clearance and the robot does not tip over; left
-    /// out where neither is tested.
+    /// Whether it is proven that all along the move tested links keep the clearance, and the robot the tip-over margin, less a
+    /// millimetre, or half of them where that is less; left out where neither is tested.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub safe: Option<bool>,
     /// What the distance of tested links does not sink below on the move, where it is safe and they are tested.
@@ -58,8 +58,8 @@ pub struct MoveDocument {
     /// What the tip-over margin does not sink below, where the move is safe and that is tested.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub tip_over_margin_m: Option<f64>,
-    /// What comes nearest to failing on a safe move, or stands in the way of one that is not: the names of two links, or none and
-    /// none for tipping over.
+    /// What came nearest to failing where margins were measured on a safe move, or stands in the way of one that is not: the names of
+    /// two links; empty for the tip-over margin.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub endangered: Option<Vec<String>>,
 }
@@ -69,11 +69,9 @@ impl TourDocument {
     pub(super) fn new(problem: &Problem, poses: &[PlannedPose], seed: u64) -> Self {
         let MotionSettings { greatest: _, share: _, assumed, home, dwell } = &problem.motion;
         let joints = &problem.robot.chain.joints;
-        let (limits, ranges) =
-            (problem.motion.limits(), joints.iter().map(|joint| joint.limits).collect::<Vec<Limits>>());
         let collision = Collision::new(&problem.robot, problem.clearance);
         let safety = Safety::new(&problem.robot, &collision, problem.stability.as_ref());
-        let arm = Arm { safety, limits: &limits, ranges: &ranges };
+        let arm = Arm::new(&problem.robot, problem.motion.limits(), safety);
         // Home comes after the poses.
         let stops = poses.iter().map(|pose| &pose.joints_rad).chain(home.iter().map(|home| &home.q));
         let stops: Vec<&[f64]> = stops.map(Vec::as_slice).collect();
