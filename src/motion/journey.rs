@@ -132,8 +132,9 @@ impl<'a> Arm<'a> {
         q.len() == self.ranges.len() && q.iter().zip(&self.ranges).all(|(&value, range)| range.holds(value))
     }
 
-    /// The move between two places: straight where that is safe or nothing is tested, else by a way round, if one is found.
-    fn go(&self, from: &[f64], to: &[f64], seed: u64) -> Move {
+    /// The move between two places, joint values in rad or m: straight where that is safe or nothing is tested, else by a way round, if
+    /// one is found; the seed decides where it is sought.
+    pub fn go(&self, from: &[f64], to: &[f64], seed: u64) -> Move {
         let cost = |from: &[f64], to: &[f64]| duration(from, to, &self.limits);
         let straight = |safety| Move { via: vec![], seconds: cost(from, to), safety };
         if self.safety.is_empty() {

@@ -7,4 +7,4 @@ pub mod tour;
 pub mod way;
 
 pub use safety::{Danger, MarginKind, Safety};
-pub use timing::JointLimits;
+pub use timing::{JointLimits, duration};

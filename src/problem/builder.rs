@@ -197,7 +197,16 @@ impl ProblemBuilder {
         let shares = criteria.iter().map(|&(criterion, share)| (criterion.name().to_owned(), share)).collect();
         let selection = &mut self.file.selection;
         (selection.count, selection.criterion) = (Some(whole(count)), Some(TextOrTable::Table(shares)));
-        selection.accuracy = None;
+        (selection.accuracy, selection.time) = (None, None);
+        self
+    }
+
+    /// Asks for the best poses, as many as serve, whose tour takes at most so many seconds.
+    #[must_use]
+    pub fn within(mut self, seconds: f64) -> Self {
+        let selection = &mut self.file.selection;
+        (selection.count, selection.method, selection.accuracy) = (None, None, None);
+        selection.time = Some(schema::TimeLimit { most_s: seconds });
         self
     }
 
@@ -215,7 +224,7 @@ impl ProblemBuilder {
     #[must_use]
     pub fn fewest(mut self, accuracies: &[(&str, f64)]) -> Self {
         let selection = &mut self.file.selection;
-        (selection.criterion, selection.count, selection.method) = (None, None, None);
+        (selection.criterion, selection.count, selection.method, selection.time) = (None, None, None, None);
         selection.accuracy = Some(accuracies.iter().map(|&(name, sigma)| (name.to_owned(), sigma)).collect());
         self
     }
@@ -308,6 +317,8 @@ mod tests {
         assert_eq!(Problem::parse(&text, Path::new("two joints")).unwrap(), problem);
         let fewest = builder().estimate(&["cx", "fx"]).fewest(&[("fx", 2.0)]).build().unwrap();
         assert_eq!(fewest.selection.goal.accuracies(), [(Accuracy::Intrinsic(0), 2.0)]);
+        let within = builder().within(90.0).build().unwrap();
+        assert_eq!(within.selection.goal, Goal::Within { criteria: vec![(Criterion::V, 1.0)], seconds: 90.0 });
         let exact = builder().best(12, &[(Criterion::D, 1.0)]).method(Method::Exact).build().unwrap();
         let criteria = vec![(Criterion::D, 1.0)];
         assert_eq!(exact.selection.goal, Goal::Best { criteria, count: 12, method: Method::Exact });
@@ -330,6 +341,7 @@ mod tests {
         assert_eq!(faults(builder().joint(reversed)), ["robot.joints[2].limits_deg"]);
         assert_eq!(faults(builder().set("camera.fx_px=0").unwrap()), ["camera.fx_px"]);
         assert_eq!(faults(builder().fewest(&[("fz", 1.0)])), ["selection.accuracy.fz"]);
+        assert_eq!(faults(builder().within(0.0)), ["selection.time.most_s"]);
         let nothing = faults(Problem::builder(""));
         for key in ["name", "robot.joints", "camera.width_px", "camera.fx_px", "target.columns", "target.square_mm"] {
             assert!(nothing.iter().any(|found| found == key), "{key}: {nothing:?}");

@@ -13,6 +13,8 @@ use crate::information::Criterion;
 pub struct SelectionSettings {
     /// What is asked for.
     pub goal: Goal,
+    /// Share of the best information found that is given up for a shorter tour.
+    pub tour_tolerance: f64,
     /// Pictures taken at each pose.
     pub pictures: usize,
     /// Whether poses may leave the sweep's configurations.
@@ -36,7 +38,8 @@ impl SelectionSettings {
     }
 }
 
-/// What is asked for: the best of sets of one size, or the smallest of those that are good enough.
+/// What is asked for: the best of sets of one size or of those that keep a time, or the smallest or fastest of those that are good
+/// enough.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Goal {
     /// So many poses, by criteria.
@@ -48,11 +51,43 @@ pub enum Goal {
         /// How to choose them.
         method: Method,
     },
-    /// As few poses as possible that reach all of these accuracies, as standard deviations.
+    /// As many poses as serve, by criteria, whose tour keeps a time.
+    Within {
+        /// As of [`Goal::Best`].
+        criteria: Vec<(Criterion, f64)>,
+        /// Time of the tour at most, dwells and all, s.
+        seconds: f64,
+    },
+    /// As few poses as possible that reach all of these accuracies, as standard deviations, or those of the shortest tour.
     Fewest {
         /// At least one.
         accuracies: Vec<(Accuracy, f64)>,
+        /// What is to be little.
+        least: Least,
     },
+}
+
+/// What poses that reach accuracies are to take as little of as possible.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Least {
+    /// Poses.
+    #[default]
+    Poses,
+    /// Time of their tour.
+    Time,
+}
+
+impl Least {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Poses, Self::Time];
+
+    /// Name as written in problem files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Poses => "poses",
+            Self::Time => "time",
+        }
+    }
 }
 
 /// Something that has a standard deviation.
@@ -76,7 +111,7 @@ impl Goal {
     /// The criteria, or, of accuracies, the one that stands for them where a criterion is needed: `v`.
     pub fn criteria(&self) -> Cow<'_, [(Criterion, f64)]> {
         match self {
-            Self::Best { criteria, .. } => Cow::Borrowed(criteria),
+            Self::Best { criteria, .. } | Self::Within { criteria, .. } => Cow::Borrowed(criteria),
             Self::Fewest { .. } => Cow::Owned(vec![(Criterion::V, 1.0)]),
         }
     }
@@ -84,26 +119,31 @@ impl Goal {
     /// The accuracies; none of a goal by criteria.
     pub fn accuracies(&self) -> &[(Accuracy, f64)] {
         match self {
-            Self::Best { .. } => &[],
-            Self::Fewest { accuracies } => accuracies,
+            Self::Best { .. } | Self::Within { .. } => &[],
+            Self::Fewest { accuracies, .. } => accuracies,
         }
     }
 
     /// The terms of what is optimised by their names, with their shares.
     pub fn terms(&self) -> Vec<(&'static str, f64)> {
         match self {
-            Self::Best { criteria, .. } => {
+            Self::Best { criteria, .. } | Self::Within { criteria, .. } => {
                 criteria.iter().map(|&(criterion, share)| (criterion.name(), share)).collect()
             }
             Self::Fewest { .. } => vec![(Self::ACCURACY, 1.0)],
         }
     }
 
+    /// Whether the fewest poses are asked for, or the fastest that are good enough, of which it is proven how few may be.
+    pub fn proves_fewest(&self) -> bool {
+        matches!(self, Self::Fewest { .. })
+    }
+
     /// Number of poses, where it is asked for.
     pub fn count(&self) -> Option<usize> {
         match self {
             Self::Best { count, .. } => Some(*count),
-            Self::Fewest { .. } => None,
+            Self::Within { .. } | Self::Fewest { .. } => None,
         }
     }
 
@@ -111,7 +151,7 @@ impl Goal {
     pub fn method(&self) -> Method {
         match self {
             Self::Best { method, .. } => *method,
-            Self::Fewest { .. } => Method::Best,
+            Self::Within { .. } | Self::Fewest { .. } => Method::Best,
         }
     }
 
@@ -119,6 +159,7 @@ impl Goal {
     pub fn searches(&self) -> bool {
         match self {
             Self::Best { method, .. } => *method == Method::Exact,
+            Self::Within { .. } => false,
             Self::Fewest { .. } => true,
         }
     }
@@ -128,7 +169,7 @@ impl fmt::Display for Goal {
     /// What is optimised: `v`, or `0.8 v + 0.2 diversity`, or `accuracy`.
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            Self::Best { criteria, .. } => f.write_str(&Criterion::describe(criteria)),
+            Self::Best { criteria, .. } | Self::Within { criteria, .. } => f.write_str(&Criterion::describe(criteria)),
             Self::Fewest { .. } => f.write_str(Self::ACCURACY),
         }
     }

@@ -27,7 +27,7 @@ pub(crate) use draft::relative;
 pub use draft::{DraftError, draft};
 pub use error::{ProblemError, SourceFile};
 pub use fault::{Allowed, Fault, Reason};
-pub use goal::{Accuracy, Goal, SelectionSettings};
+pub use goal::{Accuracy, Goal, Least, SelectionSettings};
 pub use method::Method;
 pub use motion::{Home, MotionSettings};
 pub use note::Note;

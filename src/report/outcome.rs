@@ -2,7 +2,8 @@
 
 use crate::figures::{grouped, short};
 use crate::plan::document::{
-    AxisMeans, ContinuumDocument, DesignDocument, MoveDocument, Plan, StudyDocument, TourDocument,
+    AxisMeans, ContinuumDocument, DesignDocument, GaveWayDocument, MoveDocument, Plan, StudyDocument, TourDocument,
+    TradeDocument,
 };
 
 /// What was chosen, and what is proven of it.
@@ -18,6 +19,13 @@ pub fn outcome(plan: &Plan) -> String {
             .map(|accuracy| format!("{} {} (requested {})", accuracy.name, short(accuracy.reached), accuracy.requested))
             .collect();
         let proof = match (&fewest.refutation, fewest.least) {
+            (_, least) if let Some(found) = fewest.found => {
+                let not_enough = match least {
+                    least if least == found => format!("{} of the {views} views are proven not to", found - 1),
+                    least => format!("fewer than {least} of the {views} views are proven not to"),
+                };
+                format!("{found} suffice too, with a longer tour; {not_enough}.")
+            }
             (Some(_), least) if least == *count => {
                 format!("{} of the {views} views are proven not to suffice.", count - 1)
             }
@@ -34,6 +42,18 @@ pub fn outcome(plan: &Plan) -> String {
             ),
         };
         return format!("{count} poses reach the accuracy: {}.\n{proof}{anywhere}", reached.join(", "));
+    }
+    let most_poses = plan.tour.as_ref().and_then(|tour| tour.trade.as_ref()).and_then(|trade| trade.most_poses);
+    if let Some(most) = most_poses {
+        return format!(
+            "{count} poses, as many as serve in the time, for criterion `{criterion}`: value {}, bound {}, certified efficiency \
+             {efficiency:.4}: no poses of the {views} views whose tour keeps the time, {} at most, can give more than {:.2} % more \
+             information.",
+            short(*value),
+            short(*bound),
+            grouped(most),
+            spare(*efficiency),
+        );
     }
     let chosen = format!("{count} poses by `{method}` for criterion `{criterion}`: value {}", short(*value));
     match search {
@@ -92,21 +112,52 @@ pub fn on_the_way(tour: &TourDocument) -> String {
     } else {
         format!(" The speed of {} is not stated: a slow one is assumed.", assumed_speeds.join(", "))
     };
+    let trade = tour.trade.as_ref().map(|trade| traded(trade, *total_s)).unwrap_or_default();
     format!(
         "In this order the moves take {moving_s:.1} s, by ascending id {moving_by_id_s:.1} s; {best}. With {dwell_s} s at each pose, \
-         {total_s:.0} s in all.{assumed}{}",
+         {total_s:.0} s in all.{assumed}{trade}{}{}",
+        gave_way(&tour.gave_way),
         safety(tour)
     )
 }
 
+/// What the poses were chosen for beside their information, in a sentence or two.
+fn traded(trade: &TradeDocument, total: f64) -> String {
+    let TradeDocument { kept, best_total_s, least_total_s, most_poses: _ } = trade;
+    let saved = match (kept, best_total_s) {
+        (Some(kept), Some(best)) if *kept < 1.0 => format!(
+            "\nChosen for a short tour too: the best poses found have {:.2} % more information and take {best:.1} s.",
+            spare(*kept)
+        ),
+        (Some(_), Some(best)) => {
+            format!("\nChosen for a short tour: the fewest poses found that suffice take {best:.1} s.")
+        }
+        _ => String::new(),
+    };
+    let bound = least_total_s.filter(|least| *least > 0.0).map(|least| {
+        let gap = 100.0 * (1.0 - least / total);
+        format!(" No set of the views that is as good takes less than {least:.1} s ({gap:.0} % less), which is proven.")
+    });
+    format!("{saved}{}", bound.unwrap_or_default())
+}
+
+/// Which views could not be led to.
+fn gave_way(gone: &[GaveWayDocument]) -> String {
+    if gone.is_empty() {
+        return String::new();
+    }
+    let named: Vec<String> =
+        gone.iter().map(|gone| format!("{} ({})", gone.id, in_the_way(&gone.endangered))).collect();
+    format!("\nGave way to other poses, because no safe move was found that leads to them: {}.", named.join(", "))
+}
+
 /// What is known of the moves between the poses, where something is tested.
 fn safety(tour: &TourDocument) -> String {
-    let named = |endangered: &Option<Vec<String>>| match endangered.as_deref() {
-        Some([a, b]) => format!("{a} and {b} come within the clearance"),
-        _ => "the tip-over margin falls below what is allowed".to_owned(),
-    };
-    let blocked: Vec<String> =
-        tour.blocked().map(|(place, found)| format!("move {} ({})", place + 1, named(&found.endangered))).collect();
+    let blocked = tour.blocked().map(|(place, found)| {
+        let endangered = found.endangered.as_deref().unwrap_or_default();
+        format!("move {} ({})", place + 1, in_the_way(endangered))
+    });
+    let blocked: Vec<String> = blocked.collect();
     if !blocked.is_empty() {
         return format!(
             "\nNOT SAFE, and no way round was found: {}. Do not run the tour as it is: choose other poses by `forbid`, or lead the arm \
@@ -133,6 +184,14 @@ fn safety(tour: &TourDocument) -> String {
         round => format!("{round} moves go round about"),
     };
     format!("\nProven all along the way: {} ({round}).{untested}", proven.join(", "))
+}
+
+/// What makes a move unsafe, by the names of two links.
+fn in_the_way(endangered: &[String]) -> String {
+    match endangered {
+        [a, b] => format!("{a} and {b} come within the clearance"),
+        _ => "the tip-over margin falls below what is allowed".to_owned(),
+    }
 }
 
 /// How much more than a share there is, in %.
@@ -218,6 +277,8 @@ mod tests {
             moving_by_id_s: 9.0,
             dwell_s: 1.0,
             total_s: 7.0,
+            trade: None,
+            gave_way: vec![],
             assumed_speeds: vec![],
             moves,
         }

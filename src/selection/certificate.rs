@@ -98,7 +98,7 @@ impl Certificate {
     /// The candidates that a selection of log Φ above `log_value` may hold, ascending, each with its score less the prices of
     /// its caps: the required ones, those whose scores add up to S, and those whose score is not so much less than the last
     /// of these that the bound, with them forced in, falls to `log_value`.
-    pub(super) fn open_above(&self, instance: &Instance, log_value: f64) -> Vec<(usize, f64)> {
+    pub(crate) fn open_above(&self, instance: &Instance, log_value: f64) -> Vec<(usize, f64)> {
         let rules = instance.rules();
         let mut reduced = instance.scores(&self.y);
         rules.reduce(&mut reduced, &self.prices);

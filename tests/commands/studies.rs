@@ -78,7 +78,7 @@ fn a_row_is_what_a_plan_with_the_same_settings_comes_to() {
     let rows = rows(&desk.path("out/results.csv"));
     // Two numbers of poses, by best, by greedy and by k-means with three seeds.
     assert_eq!(rows.len(), 4 * 2 * (1 + 1 + 3));
-    let set = "--set sweep.step_deg=20 --set estimate.intrinsics=[\"fx\",\"fy\",\"cx\",\"cy\",\"k1\"]";
+    let set = "--set selection.tour_tolerance=0 --set sweep.step_deg=20 --set estimate.intrinsics=[\"fx\",\"fy\",\"cx\",\"cy\",\"k1\"]";
     for (sigma, tilt, method, seed) in [("0.3", "60", "best", ""), ("0.6", "70", "kmeans-joints", "2")] {
         let is_it = |row: &&BTreeMap<String, String>| {
             row["noise.sigma_px"] == sigma

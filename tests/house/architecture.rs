@@ -32,7 +32,7 @@ const ORDER: [&str; 22] = [
 ];
 
 /// The files and rooms in a room; each may use those before it, and all may use the room's own `mod.rs`.
-const ROOMS: [(&str, &[&str]); 44] = [
+const ROOMS: [(&str, &[&str]); 45] = [
     (
         "selection",
         &[
@@ -190,9 +190,12 @@ const ROOMS: [(&str, &[&str]); 44] = [
             "refined_survey",
             "off_grid",
             "continuum",
+            "tours",
+            "plan_survey",
             "decide",
         ],
     ),
+    ("plan::choose::tours", &["times", "swaps", "bound", "pulls", "spares", "timed"]),
     ("plan::choose::off_grid", &["local_search", "poses", "columns"]),
     ("plan::choose::baseline", &["points", "centres", "lloyd", "kmeans", "random"]),
     (
@@ -386,8 +389,8 @@ fn certify_shares_nothing_with_what_it_certifies() {
         let code = without_comments(&std::fs::read_to_string(&path).unwrap());
         for word in ["selection", "choose", "Chooser", "PlanError", "SelectionError"] {
             // What the problem asks for is called its selection, too.
-            let asked =
-                ["goal", "seed", "pictures", "continuum", "leaves_grid"].map(|key| format!("problem.selection.{key}"));
+            let asked = ["goal", "seed", "pictures", "continuum", "leaves_grid", "tour_tolerance"]
+                .map(|key| format!("problem.selection.{key}"));
             let own = asked.iter().fold(code.clone(), |code, key| code.replace(key, ""));
             assert!(!own.split(|c| !is_word(c)).any(|other| other == word), "{} names `{word}`", path.display());
         }

@@ -83,6 +83,7 @@ fn a_plan_holds_what_certifying_it_needs() {
     let mut again = swept.clone();
     again.take_off_grid(&problem, &plan.off_grid).unwrap();
     again.good.clone_from(&survey.good);
+    again.near.clone_from(&survey.near);
     assert_eq!(again, survey);
     certify(&plan, &problem, &again).unwrap();
     // Without the views off the grid, and with other ones.

@@ -305,7 +305,8 @@ fn a_plan_for_accuracies_that_proves_less_than_it_says_is_noticed() {
     let count = made.choice.selected.len();
 
     let spaced = (0..count).map(|c| c * survey.views.len() / count).collect();
-    let poor = Decision { choice: chooser.assess(spaced), ..made.clone() };
+    let choice = chooser.assess(spaced);
+    let poor = Decision { journey: chooser.journey(&choice), choice, trade: None, ..made.clone() };
     let poor = Plan::new(&chooser, &poor).unwrap();
     assert!(matches!(certify(&poor, &problem, &survey), Err(CertifyError::Accuracy { .. })));
 

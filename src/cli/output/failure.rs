@@ -311,6 +311,9 @@ fn plan_help(error: &PlanError) -> String {
         PlanError::UnsafeHome { .. } => {
             "give joint values at which the robot stands free; `calipose reach` and the report show where its links are"
         }
+        PlanError::NoTime { .. } => {
+            "allow more time in selection.time, take a home nearer to the poses, or raise the speeds of [motion] or lower its dwell_s"
+        }
         PlanError::NoRoom { .. } => "lower the separations of [constraints], relax its groups, or ask for fewer poses",
         PlanError::Unobservable { count, views, .. } if count == views => {
             "more poses do not help, because there are no other views: sweep with a finer step or relax [visibility] for views that \

@@ -10,7 +10,7 @@ use crate::experiment::base::Base;
 use crate::experiment::factor::{Factor, factor, try_levels};
 use crate::experiment::file::{DesignFile, Search, Surface};
 use crate::experiment::reading::{ExperimentFile, Stated, read_experiment};
-use crate::problem::{Allowed, At, Check, Goal, Numbers, ProblemError, Reason, Vocabulary, key, toml_schema};
+use crate::problem::{Allowed, At, Check, Numbers, ProblemError, Reason, Vocabulary, key, toml_schema};
 
 /// Coordinates in mm.
 const COORDINATE: Allowed = Allowed::between(-1e6, 1e6);
@@ -66,9 +66,10 @@ fn codesign(check: &mut Check, file: &At<DesignFile>, common: Stated, base: Base
     let set = key!(file, set);
     let problem = base.problem(set.value.iter());
     let problem = problem.map_err(|fault| base.refuse_set(check, &set, &fault)).ok()?;
-    if matches!(problem.selection.goal, Goal::Fewest { .. }) {
+    if problem.selection.goal.count().is_none() {
         let hint = Some("give a number of poses: set = [\"selection.count=10\"]".to_owned());
-        let sentence = "set-ups are compared by plans of one size, and the problem asks for accuracies".to_owned();
+        let sentence =
+            "set-ups are compared by plans of one size, and the problem asks for accuracies or a time".to_owned();
         check.fault(&key!(file, problem).path, Reason::InProblem { problem: base.path.clone(), sentence, hint });
     }
     if let Some((criterion, _)) = problem.selection.goal.criteria().iter().find(|(each, _)| !each.is_of_intrinsics()) {

@@ -99,11 +99,11 @@ struct Wanted {
 }
 
 impl Wanted {
-    /// What the study asks for, and the problem where it does not; none of a problem that asks for the fewest poses while the study
+    /// What the study asks for, and the problem where it does not; none of a problem that asks for no number of poses while the study
     /// asks for nothing else.
     fn of(choices: &Choices, goal: &Goal) -> Option<Self> {
         let own = choices.criteria.is_empty() && choices.counts.is_empty() && choices.methods.is_empty();
-        if own && matches!(goal, Goal::Fewest { .. }) {
+        if own && goal.count().is_none() {
             return None;
         }
         let criteria = match &choices.criteria[..] {
@@ -126,7 +126,7 @@ fn rows(
     simulation: &Simulation,
 ) -> Vec<CellRow> {
     let Some(wanted) = Wanted::of(choices, &problem.selection.goal) else {
-        return vec![fewest(problem, survey, simulation)];
+        return vec![as_many_as_serve(problem, survey, simulation)];
     };
     let mut rows = Vec::new();
     for criteria in &wanted.criteria {
@@ -221,15 +221,16 @@ impl Certified {
     }
 }
 
-/// The fewest poses that reach the accuracies of the problem.
-fn fewest(problem: &Problem, survey: Result<&Survey, String>, simulation: &Simulation) -> CellRow {
+/// The poses that the problem asks for by accuracies or a time.
+fn as_many_as_serve(problem: &Problem, survey: Result<&Survey, String>, simulation: &Simulation) -> CellRow {
     let found = survey.and_then(|survey| {
         let chooser = Chooser::new(problem, survey).map_err(|error| error.to_string())?;
         // Ended by its nodes alone, as the exact search.
         let decision = decide(&chooser, &mut |_| ControlFlow::Continue(())).map_err(|error| error.to_string())?;
         Ok(outcome(&chooser, &decision.choice, decision.log_bound, simulation, problem.selection.seed))
     });
-    row(problem.selection.goal.to_string(), "fewest", None, None, found)
+    let method = if problem.selection.goal.proves_fewest() { "fewest" } else { "timed" };
+    row(problem.selection.goal.to_string(), method, None, None, found)
 }
 
 fn outcome(chooser: &Chooser, choice: &Choice, log_bound: f64, simulation: &Simulation, seed: u64) -> CellOutcome {

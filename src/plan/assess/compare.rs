@@ -74,7 +74,7 @@ pub fn best_off_grid(problem: &Problem, swept: &Survey, count: usize) -> Result<
     let criteria = problem.selection.goal.criteria().into_owned();
     let mut problem = problem.clone();
     problem.selection.goal = Goal::Best { criteria, count, method: Method::Best };
-    let survey = leave_grid(&problem, swept.clone())?;
+    let survey = leave_grid(&problem, swept.clone(), count)?;
     let (choice, certificate) = Chooser::new(&problem, &survey)?.best(count, problem.selection.seed)?;
     let efficiency = certificate.efficiency(choice.log_value);
     let row = Row { method: Method::Best, off_grid: true, choice, efficiency, time: start.elapsed() };

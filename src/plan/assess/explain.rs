@@ -234,7 +234,7 @@ mod tests {
     use crate::plan::choose::decide;
     use crate::plan::document::Plan;
     use crate::plan::survey::survey;
-    use crate::problem::{Accuracy, Goal, Method, Overrides};
+    use crate::problem::{Accuracy, Goal, Least, Method, Overrides};
 
     fn coarse() -> Problem {
         let step = Overrides::new().set("sweep.step_deg=20").unwrap().set("selection.off_grid=false").unwrap();
@@ -302,7 +302,10 @@ mod tests {
         let problems = [
             best_ten(&[(Criterion::V, 0.8), (Criterion::Diversity, 0.2)]),
             best_ten(&[(Criterion::E, 1.0)]),
-            Goal::Fewest { accuracies: vec![(Accuracy::MapError, 3.0), (Accuracy::Intrinsic(0), 4.0)] },
+            Goal::Fewest {
+                accuracies: vec![(Accuracy::MapError, 3.0), (Accuracy::Intrinsic(0), 4.0)],
+                least: Least::Poses,
+            },
         ]
         .map(|goal| {
             let mut problem = problem.clone();

@@ -150,7 +150,7 @@ pub fn forecast(problem: &Problem, trials: usize) -> Forecast {
                 kept += sample * joined;
             }
         }
-        count = count.or_else(|| chosen.fewest(kept));
+        count = count.or_else(|| chosen.count(kept));
         let k = count.unwrap_or(PICKS) as f64;
         seconds += chosen.selection + weighings(kept, k);
         if problem.selection.leaves_grid() {
@@ -305,6 +305,15 @@ impl<'a> Chosen<'a> {
         let trial = start.elapsed().as_secs_f64() / (TRIALS * poses) as f64;
         let trial = if verified.is_ok() { trial } else { 0.0 };
         Some(Self { problem, survey, inform, score, selection, refining, trial })
+    }
+
+    /// As many of `views` candidates as serve, where no number of poses is asked for.
+    fn count(&self, views: f64) -> Option<usize> {
+        if let Goal::Within { seconds, .. } = self.problem.selection.goal {
+            let found = Chooser::new(self.problem, &self.survey).ok()?.within(seconds).ok()?;
+            return Some(found.choice.selected.len());
+        }
+        self.fewest(views)
     }
 
     /// The fewest of `views` candidates that reach the accuracies, by the density of the best among the pilot's; none if all

@@ -123,7 +123,7 @@ mod tests {
     use super::*;
     use crate::information::Criterion;
     use crate::plan::survey::survey;
-    use crate::problem::{Accuracy, Goal, JointRegion, Method, Overrides, PoseGroup};
+    use crate::problem::{Accuracy, Goal, JointRegion, Least, Method, Overrides, PoseGroup};
     use crate::robot::Limits;
     use crate::selection::packed::unpack;
     use crate::target::AxisCase;
@@ -180,8 +180,10 @@ mod tests {
     #[test]
     fn every_objective_is_polished_and_never_loses() {
         let mut problem = coarse();
-        problem.selection.goal =
-            Goal::Fewest { accuracies: vec![(Accuracy::MapError, 3.0), (Accuracy::Intrinsic(0), 4.0)] };
+        problem.selection.goal = Goal::Fewest {
+            accuracies: vec![(Accuracy::MapError, 3.0), (Accuracy::Intrinsic(0), 4.0)],
+            least: Least::Poses,
+        };
         let survey = survey(&problem, &|_| {}).unwrap();
         let chooser = Chooser::new(&problem, &survey).unwrap();
         let criteria = [

@@ -43,8 +43,10 @@ impl<'a> Chooser<'a> {
             known.push(Known::as_drawn(problem, &scenario.problem));
         }
         let objective = match &problem.selection.goal {
-            Goal::Best { criteria, .. } => Objective::new(problem, survey, criteria, &known)?,
-            Goal::Fewest { accuracies } => Objective::of_accuracies(problem, survey, accuracies, &known),
+            Goal::Best { criteria, .. } | Goal::Within { criteria, .. } => {
+                Objective::new(problem, survey, criteria, &known)?
+            }
+            Goal::Fewest { accuracies, .. } => Objective::of_accuracies(problem, survey, accuracies, &known),
         };
         Self::with(problem, survey, objective, known)
     }

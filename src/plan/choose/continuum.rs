@@ -8,6 +8,7 @@ use super::chooser::Chooser;
 use super::error::PlanError;
 use super::off_grid::LocalSearch;
 use crate::continuum::{ContinuumEnd, ContinuumProgress, Greatest};
+use crate::problem::Goal;
 use crate::selection::packed::dot;
 use crate::selection::{Certificate, Gradient, RelaxationSettings, relax};
 
@@ -42,7 +43,7 @@ pub struct ContinuumCertificate {
 impl Chooser<'_> {
     /// Bounds all sets of poses at any joint values, repeated poses included: of as many as `choice` has, or of one less where as few
     /// as possible are asked for. `certificate` is that of the survey's views. None where no pose leaves the grid, no boxes are
-    /// allowed or too few for a bound, a criterion is not of the intrinsics, or the arm has too many joints. `observe` may end it,
+    /// allowed or too few for a bound, the number of poses is not given, a criterion is not of the intrinsics, or the arm has too many joints. `observe` may end it,
     /// and the bound reached by then holds.
     ///
     /// # Errors
@@ -55,11 +56,12 @@ impl Chooser<'_> {
     ) -> Result<Option<ContinuumCertificate>, PlanError> {
         let (problem, survey, objective) = (self.problem(), self.survey(), self.objective());
         let settings = problem.selection.continuum;
-        let fewer = usize::from(problem.selection.goal.count().is_none());
+        let fewer = usize::from(problem.selection.goal.proves_fewest());
         let count = choice.selected.len() - fewer;
         if !problem.selection.leaves_grid()
             || settings.most_boxes == 0
             || count < problem.constraints.required.len().max(1)
+            || matches!(problem.selection.goal, Goal::Within { .. })
         {
             return Ok(None);
         }

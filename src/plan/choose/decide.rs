@@ -5,8 +5,16 @@ use std::ops::ControlFlow;
 use super::choice::Choice;
 use super::chooser::Chooser;
 use super::error::PlanError;
-use crate::problem::{Goal, Method, SelectionSettings};
+use super::tours::{GaveWay, Led, Numbers, Toured, Trade};
+use crate::motion::journey::Journey;
+use crate::problem::{Goal, Least, Method, SelectionSettings};
 use crate::selection::{Certificate, Refutation, SearchEnd, SearchProgress};
+
+/// Most times that straight moves are given less time, because safe ones go round about.
+const DETOURS: usize = 6;
+
+/// Share of a time by which rounding may exceed it.
+const ON_TIME: f64 = 1e-12;
 
 /// A choice and what is proven of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +29,12 @@ pub struct Decision {
     pub search: Option<SearchSummary>,
     /// Why there are no fewer poses, if as few as possible were asked for.
     pub fewest: Option<FewestProof>,
+    /// What it was made for beside its information, if its tour counted.
+    pub trade: Option<Trade>,
+    /// The moves through its poses, stops numbered as the choice's views, home after them.
+    pub journey: Journey,
+    /// Poses that gave way to others because no safe move leads to them.
+    pub gave_way: Vec<GaveWay>,
 }
 
 /// How a search went.
@@ -39,6 +53,8 @@ pub struct SearchSummary {
 pub struct FewestProof {
     /// Fewer than this are proven not to suffice.
     pub least: usize,
+    /// Fewest poses found that suffice.
+    pub found: usize,
     /// The proof for one less.
     pub refutation: Option<Refutation>,
 }
@@ -52,15 +68,34 @@ pub fn decide(
     chooser: &Chooser,
     observe: &mut dyn FnMut(&SearchProgress) -> ControlFlow<()>,
 ) -> Result<Decision, PlanError> {
-    let SelectionSettings { goal, seed, .. } = &chooser.problem().selection;
+    let SelectionSettings { goal, seed, tour_tolerance, .. } = &chooser.problem().selection;
+    let given_up = (1.0 - tour_tolerance).ln();
     let (count, method) = match goal {
         Goal::Best { count, method, .. } => (*count, *method),
-        Goal::Fewest { .. } => {
+        Goal::Within { seconds, .. } => return within(chooser, *seconds),
+        Goal::Fewest { least, .. } => {
             let (choice, found) = chooser.fewest(*seed, observe)?;
+            let fewest = FewestProof { least: found.least, found: choice.selected.len(), refutation: found.refutation };
             let certificate = found.best.relaxation.certificate;
+            let (choice, certificate, trade) = match least {
+                Least::Poses if *tour_tolerance == 0.0 => (choice, certificate, None),
+                Least::Poses => {
+                    let floor = (choice.log_value + given_up).max(0.0);
+                    let (choice, trade) = chooser.shorter(choice, &certificate, floor)?;
+                    (choice, certificate, Some(trade))
+                }
+                Least::Time => soonest(chooser, choice, fewest.least)?,
+            };
             let log_bound = certificate.log_bound;
-            let fewest = Some(FewestProof { least: found.least, refutation: found.refutation });
-            return Ok(Decision { choice, certificate, log_bound, search: None, fewest });
+            let mut led = chooser.led_to(choice.clone(), &certificate)?;
+            if led.choice.log_value < 0.0 {
+                // With spares the accuracies are missed.
+                led = Led { journey: chooser.journey(&choice), choice, gave_way: vec![] };
+            }
+            let Led { choice, journey, gave_way } = led;
+            let trade = trade.map(|trade| trade.after(&gave_way));
+            let fewest = Some(fewest);
+            return Ok(Decision { choice, certificate, log_bound, search: None, fewest, trade, journey, gave_way });
         }
     };
     let (choice, certificate, search) = match method {
@@ -82,7 +117,56 @@ pub fn decide(
     chooser.require_efficient(&choice, log_bound)?;
     let search =
         search.map(|search| SearchSummary { end: search.end, nodes: search.nodes, open_at_root: search.open_at_root });
-    Ok(Decision { choice, certificate, log_bound, search, fewest: None })
+    let (choice, trade) = if *tour_tolerance == 0.0 {
+        (choice, None)
+    } else {
+        let floor = choice.log_value + given_up;
+        let (choice, trade) = chooser.shorter(choice, &certificate, floor)?;
+        (choice, Some(trade))
+    };
+    let Led { choice, journey, gave_way } = chooser.led_to(choice, &certificate)?;
+    let trade = trade.map(|trade| trade.after(&gave_way));
+    Ok(Decision { choice, certificate, log_bound, search, fewest: None, trade, journey, gave_way })
+}
+
+/// As many poses as serve, whose tour keeps a time; the certificate is of the most that might.
+fn within(chooser: &Chooser, seconds: f64) -> Result<Decision, PlanError> {
+    let numbers = Numbers::new(chooser)?;
+    let mut straight = seconds;
+    for _ in 0..DETOURS {
+        let Toured { choice, .. } = numbers.within(straight)?;
+        let most = numbers.most(seconds).max(choice.selected.len());
+        let certificate = chooser.certificate(most)?;
+        let log_bound = certificate.log_bound;
+        chooser.require_efficient(&choice, log_bound)?;
+        let Led { choice, journey, gave_way } = chooser.led_to(choice, &certificate)?;
+        let moving = journey.moves.iter().map(|found| found.seconds).sum();
+        let late = numbers.total(moving, choice.selected.len()) - seconds;
+        if late <= ON_TIME * seconds {
+            let trade = Some(Trade { best: None, least_seconds: None, most_poses: Some(most) });
+            return Ok(Decision {
+                choice,
+                certificate,
+                log_bound,
+                search: None,
+                fewest: None,
+                trade,
+                journey,
+                gave_way,
+            });
+        }
+        straight -= late;
+    }
+    Err(PlanError::NoTime { seconds, shortest: f64::INFINITY })
+}
+
+/// The fastest choice that reaches the accuracies, as `choice` does, of which `least` poses are needed at least.
+fn soonest(chooser: &Chooser, choice: Choice, least: usize) -> Result<(Choice, Certificate, Option<Trade>), PlanError> {
+    let numbers = Numbers::new(chooser)?;
+    let (first, (found, bound)) = (numbers.toured(choice.clone())?, numbers.soonest(&choice, least)?);
+    let certificate = chooser.certificate(found.choice.selected.len())?;
+    let best = (found.seconds < first.seconds).then_some(first);
+    Ok((found.choice, certificate, Some(Trade { best, least_seconds: Some(bound), most_poses: None })))
 }
 
 #[cfg(test)]

@@ -71,6 +71,14 @@ pub enum PlanError {
         /// known.
         bound: f64,
     },
+    /// The time asked for is too short.
+    #[error("{}", describe_time(*seconds, *shortest))]
+    NoTime {
+        /// Time that the tour may take, s.
+        seconds: f64,
+        /// Time of the shortest tour seen of poses that determine all intrinsics, s; infinite if there was none.
+        shortest: f64,
+    },
     /// The robot cannot be where its tour begins.
     #[error("{}", describe_home(links.as_ref()))]
     UnsafeHome {
@@ -104,6 +112,12 @@ fn describe_room(count: usize, found: usize, at_most: usize) -> String {
     } else {
         format!("[constraints] allow no {count} poses together: {found} were found, and at most {at_most} are possible")
     }
+}
+
+fn describe_time(seconds: f64, shortest: f64) -> String {
+    let found =
+        if shortest.is_finite() { format!("; the shortest found takes {shortest:.1} s") } else { String::new() };
+    format!("no tour of poses that determine all intrinsics was found that takes {seconds} s or less{found}")
 }
 
 fn describe_home(links: Option<&[String; 2]>) -> String {

@@ -46,6 +46,8 @@ pub struct Survey {
     pub off_grid: usize,
     /// Places of poses that were found to be good together, ascending; the best choice of as many is no worse.
     pub good: Vec<usize>,
+    /// Places of poses that were found to be nearly as good together with a shorter tour, ascending.
+    pub near: Vec<usize>,
     /// The views' information on the estimated intrinsics, in the views' order.
     pub information: InformationSet,
     /// The p×p weight of the map error.
@@ -217,6 +219,20 @@ impl Survey {
         self.views.binary_search_by_key(&id, |view| view.id).ok()
     }
 
+    /// The places of the views at these joint values, ascending; empty where one is no view, or two are the same.
+    pub(crate) fn places_of(&self, joints: &[Vec<f64>]) -> Vec<usize> {
+        let place = |q: &Vec<f64>| self.views.iter().position(|view| view.q == *q);
+        let mut places: Vec<usize> = joints.iter().filter_map(place).collect();
+        places.sort_unstable();
+        places.dedup();
+        if places.len() == joints.len() { places } else { vec![] }
+    }
+
+    /// The views' joint values, rad or m.
+    pub(crate) fn joints(&self) -> Vec<&[f64]> {
+        self.views.iter().map(|view| view.q.as_slice()).collect()
+    }
+
     /// The views off the grid.
     pub fn off_grid_views(&self) -> &[View] {
         &self.views[self.views.len() - self.off_grid..]
@@ -237,6 +253,7 @@ impl Survey {
             refined: self.refined,
             off_grid: 0,
             good: vec![],
+            near: vec![],
             information: self.information.select(places),
             map_weight: self.map_weight.clone(),
             scenarios: self.scenarios.iter().map(of_scenario).collect(),
@@ -268,6 +285,7 @@ impl Survey {
             refined: 0,
             off_grid: 0,
             good: vec![],
+            near: vec![],
             information,
             map_weight: problem.unknowns().map_error_weight(),
             scenarios,

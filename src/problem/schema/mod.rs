@@ -23,7 +23,7 @@ pub(crate) use json::{Vocabulary, toml_schema};
 pub(crate) use motion::Motion;
 pub(crate) use robot::{Joint, Robot};
 pub(crate) use robust::Robust;
-pub(crate) use selection::{Constraints, Group, Region, Selection};
+pub(crate) use selection::{Constraints, Group, Region, Selection, TimeLimit};
 pub(crate) use sweep::{Published, Sweep};
 pub(crate) use target::{Target, TargetKind};
 pub(crate) use value::{Choice, MountName, Named, NumberOrList, Numbers, Pose, Range, RangeOrSets, TextOrTable};

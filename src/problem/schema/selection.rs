@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::value::{Named, Range, TextOrTable};
 use crate::information::Criterion;
-use crate::problem::Method;
+use crate::problem::{Least, Method};
 
 /// Which poses to choose, and how.
 #[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
@@ -29,6 +29,15 @@ pub(crate) struct Selection {
     /// Accuracies to reach with as few poses as possible, in place of `criterion`, `method` and `count`: `map_error_px` and names of
     /// estimated intrinsics, each with the requested standard deviation, as in `{ map_error_px = 2, fx = 1.5 }`.
     pub(crate) accuracy: Option<BTreeMap<String, f64>>,
+    /// Beside `accuracy`: what is to be as little as possible, "poses" or the "time" of the tour; "poses" when left out.
+    pub(crate) least: Option<Named<Least>>,
+    /// The time that the tour may take, dwells and all, in place of `method`, `count` and `accuracy`: the best plan of as many poses as
+    /// then serve, as in `{ most_s = 120 }`.
+    pub(crate) time: Option<TimeLimit>,
+    /// Share of the best information found that may be given up for a shorter tour; when left out, 0.01 for "best" and for accuracies,
+    /// which are reached all the same, and 0 for other methods.
+    #[schemars(range(min = 0, max = 1))]
+    pub(crate) tour_tolerance: Option<f64>,
     /// Whether poses may leave the sweep's configurations for better ones at any joint values; false for a plan of swept poses, which
     /// robust plans always are.
     pub(crate) off_grid: bool,
@@ -45,6 +54,14 @@ pub(crate) struct Selection {
     pub(crate) time_limit_s: f64,
     /// Nodes of the search tree after which a search ends with the best set so far.
     pub(crate) node_limit: u64,
+}
+
+/// The time of a tour.
+#[derive(Debug, Clone, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct TimeLimit {
+    /// Seconds that it takes at most.
+    pub(crate) most_s: f64,
 }
 
 /// The sets of poses that are allowed.
@@ -99,6 +116,9 @@ impl Default for Selection {
             count: None,
             pictures: 1,
             accuracy: None,
+            least: None,
+            time: None,
+            tour_tolerance: None,
             off_grid: true,
             continuum_boxes: 0,
             continuum_tolerance: 0.02,

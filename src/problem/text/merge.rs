@@ -12,12 +12,18 @@ use super::path::{KeyPath, Segment};
 use super::source::Unreadable;
 
 /// Keys of which one excludes the others: that which is given in place of the file's removes these.
-const INSTEAD: [(&str, &[&str]); 7] = [
+const INSTEAD: [(&str, &[&str]); 10] = [
     ("sweep.sample", &["sweep.step_deg", "sweep.step_mm"]),
     ("sweep.step_deg", &["sweep.sample"]),
     ("sweep.step_mm", &["sweep.sample"]),
-    ("selection.criterion", &["selection.accuracy"]),
-    ("selection.accuracy", &["selection.criterion", "selection.count", "selection.method"]),
+    ("selection.criterion", &["selection.accuracy", "selection.least"]),
+    ("selection.accuracy", &["selection.criterion", "selection.count", "selection.method", "selection.time"]),
+    ("selection.count", &["selection.time"]),
+    ("selection.method", &["selection.time"]),
+    (
+        "selection.time",
+        &["selection.accuracy", "selection.least", "selection.count", "selection.method", "selection.tour_tolerance"],
+    ),
     ("target.pose.rpy_deg", &["target.pose.quaternion_xyzw"]),
     ("target.pose.quaternion_xyzw", &["target.pose.rpy_deg"]),
 ];

@@ -7,7 +7,7 @@ mod value;
 
 pub use constraints::{Cap, Constraints, Separation};
 pub(super) use packing::{EFFORT, packing};
-pub(super) use part::Part;
+pub(crate) use part::Part;
 pub(super) use value::InstanceCurvature;
 
 use std::ops::Range;

@@ -15,7 +15,7 @@ use crate::cli::output::{Screen, duration, grouped, wrapped};
 use crate::plan::assess::{Forecast, forecast};
 use crate::plan::choose::home_is_safe;
 use crate::plan::survey::diagnose;
-use crate::problem::{Accuracy, Goal, Problem};
+use crate::problem::{Accuracy, Goal, Least, Problem};
 use crate::sweep::JointSpace;
 use lens::lens_text;
 use notes::notes_text;
@@ -87,11 +87,14 @@ pub(crate) fn run(arguments: &ProblemArguments, screen: &mut Screen) -> Result<(
 fn chosen(problem: &Problem, forecast: &Forecast) -> String {
     let goal = &problem.selection.goal;
     let names = problem.unknowns().names();
-    let accuracies = match goal {
+    let (accuracies, least) = match goal {
         Goal::Best { count, method, .. } => {
             return format!("{} poses by `{}` for criterion `{goal}`", grouped(*count), method.name());
         }
-        Goal::Fewest { accuracies } => accuracies,
+        Goal::Within { seconds, .. } => {
+            return format!("as many poses as serve in {seconds} s, for criterion `{goal}`");
+        }
+        Goal::Fewest { accuracies, least } => (accuracies, least),
     };
     let requested = accuracies.iter().map(|&(accuracy, requested)| match accuracy {
         Accuracy::MapError => format!("map_error_px {requested}"),
@@ -101,5 +104,9 @@ fn chosen(problem: &Problem, forecast: &Forecast) -> String {
         Some(count) => format!("about {}", grouped(count)),
         None => "perhaps more than there are views".into(),
     };
-    format!("the fewest poses that reach {} ({count})", requested.collect::<Vec<_>>().join(", "))
+    let which = match least {
+        Least::Poses => "the fewest poses that reach",
+        Least::Time => "the poses of the shortest tour that reach",
+    };
+    format!("{which} {} ({count})", requested.collect::<Vec<_>>().join(", "))
 }

@@ -155,13 +155,13 @@ impl<'a> Evidence<'a> {
         let part = if evidence.is_worst() { 1.0 } else { evidence.set_ups.len() as f64 };
         for scenario in 0..evidence.set_ups.len() {
             match &problem.selection.goal {
-                Goal::Best { criteria, .. } => {
+                Goal::Best { criteria, .. } | Goal::Within { criteria, .. } => {
                     for &(criterion, share) in criteria {
                         let term = evidence.term(scenario, criterion, share / part)?;
                         evidence.terms.push(term);
                     }
                 }
-                Goal::Fewest { accuracies } => evidence.terms.push(evidence.accuracy_term(scenario, accuracies)),
+                Goal::Fewest { accuracies, .. } => evidence.terms.push(evidence.accuracy_term(scenario, accuracies)),
             }
         }
         Ok(evidence)

@@ -25,7 +25,7 @@ pub(crate) fn is_by_that_method(method: &str, searched: bool, fewest: bool, goal
     if method != asked.name() {
         return Err(other("the method", method, asked.name()));
     }
-    same("whether the number of poses has a proof", &fewest, &goal.count().is_none())?;
+    same("whether the number of poses has a proof", &fewest, &goal.proves_fewest())?;
     same("whether a search followed", &searched, &(asked == Method::Exact))
 }
 

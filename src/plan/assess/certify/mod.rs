@@ -145,7 +145,7 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
     alike("the views off the grid", &off_grid.iter().collect(), &found)?;
     let tested = Some(CollisionDocument::new(problem, &survey.links));
     alike("what was tested for collision", collision, &tested)?;
-    takes_that_time(tour.as_ref(), problem, poses, &mut unchecked)?;
+    let moving = takes_that_time(tour.as_ref(), problem, poses, &mut unchecked)?;
 
     let evidence = Evidence::new(problem, survey)?;
     evidence.rules.allow(&selected, problem, survey)?;
@@ -165,7 +165,11 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
 
     evidence.loses(worst_loss.as_ref(), survey, &selected)?;
     let Certificates { grid, continuum } = certificate;
-    let bound = evidence.bound(grid, selected.len())?;
+    let bounded = match tour {
+        Some(tour) => evidence.traded(tour, survey, moving, &mut unchecked)?,
+        None => selected.len(),
+    };
+    let bound = evidence.bound(grid, bounded)?;
     let tolerance = SAME + value.uncertainty + bound.uncertainty;
     match search {
         None => evidence.equal("the bound", *stated_bound, bound.log, tolerance)?,
@@ -183,6 +187,9 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
         let everywhere = (0..=survey.scenarios.len()).map(|scenario| evidence.accuracies(scenario, &selected));
         let everywhere = everywhere.collect::<Result<Vec<_>, _>>()?;
         least = evidence.least(fewest, problem, &everywhere, selected.len(), value)?;
+        if fewest.found.is_some() {
+            unchecked.extend(Unchecked::all(&["fewest.found"], BY_SEARCH));
+        }
         if fewest.nodes > 0 {
             unchecked.extend(Unchecked::all(&["fewest.nodes"], EFFORT));
         }
@@ -352,7 +359,7 @@ impl Evidence<'_> {
         poses: usize,
         value: Rounded,
     ) -> Result<Option<usize>, CertifyError> {
-        let FewestDocument { accuracies: stated, least, refutation, nodes } = stated;
+        let FewestDocument { accuracies: stated, least, found, refutation, nodes } = stated;
         let asked = problem.selection.goal.accuracies();
         if stated.len() != asked.len() {
             return Err(CertifyError::Requests);
@@ -376,6 +383,11 @@ impl Evidence<'_> {
         }
         if value.log < -SAME - value.uncertainty {
             return Err(CertifyError::Accuracy { value: self.natural(value.log) });
+        }
+        if let Some(found) = found
+            && !(*least..poses).contains(found)
+        {
+            return Err(CertifyError::Refutation { count: *found });
         }
         let Some(refutation) = refutation else {
             // Without a proof only those are out that cannot be chosen.

@@ -92,7 +92,12 @@ impl Rules {
         Ok(())
     }
 
-    fn are_too_close(&self, i: usize, j: usize) -> bool {
+    /// The views that are not forbidden.
+    pub(super) fn open(&self) -> Vec<usize> {
+        (0..self.forbidden.len()).filter(|&i| !self.forbidden[i]).collect()
+    }
+
+    pub(super) fn are_too_close(&self, i: usize, j: usize) -> bool {
         self.separations.iter().any(|(points, least)| {
             let squares = points[i].iter().zip(&points[j]).map(|(a, b)| (a - b) * (a - b));
             squares.sum::<f64>().sqrt() < *least

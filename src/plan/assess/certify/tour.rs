@@ -1,13 +1,18 @@
 //! The times of a plan's moves, reckoned once more.
 
+use rayon::prelude::*;
+
+use super::SAME;
 use super::compare::{alike, different, near, number, numbers, other, same};
 use super::error::CertifyError;
-use super::unchecked::{ORDERED, TIED, Unchecked};
+use super::evidence::Evidence;
+use super::unchecked::{LED, ORDERED, TIED, TRADED, Unchecked};
 use crate::feasibility::Collision;
 use crate::motion::journey::Arm;
 use crate::motion::{JointLimits, Safety};
-use crate::plan::document::{MoveDocument, PlannedPose, TourDocument};
-use crate::problem::{MotionSettings, Problem};
+use crate::plan::document::{MoveDocument, PlannedPose, TourDocument, TradeDocument};
+use crate::plan::survey::Survey;
+use crate::problem::{Goal, Least, MotionSettings, Problem};
 
 /// Times agree to this share; those of moves, which are stated to a nanosecond, to as many seconds too.
 const SAME_TIME: f64 = 1e-9;
@@ -15,13 +20,14 @@ const SAME_TIME: f64 = 1e-9;
 /// Margins agree to this, m.
 const SAME_MARGIN: f64 = 1e-9;
 
-/// Checks the order of the poses, the times of the moves and the margins on them. That no order takes less than stated is not checked.
+/// Checks the order of the poses, the times of the moves and the margins on them; the time of straight moves in that order. That no
+/// order takes less than stated is not checked.
 pub(crate) fn takes_that_time(
     stated: Option<&TourDocument>,
     problem: &Problem,
     poses: &[PlannedPose],
     unchecked: &mut Vec<Unchecked>,
-) -> Result<(), CertifyError> {
+) -> Result<f64, CertifyError> {
     let Some(stated) = stated else { return Err(other("the tour", "left out", "through all poses")) };
     let TourDocument {
         order,
@@ -33,6 +39,8 @@ pub(crate) fn takes_that_time(
         moving_by_id_s,
         dwell_s,
         total_s,
+        trade: _,    // by `traded`
+        gave_way: _, // by `traded`
         assumed_speeds,
     } = stated;
     let MotionSettings { greatest, share, assumed, home, dwell } = &problem.motion;
@@ -88,7 +96,102 @@ pub(crate) fn takes_that_time(
         return Err(different("what the moves of no order take less than", *least_moving_s, moving));
     }
     unchecked.extend(Unchecked::all(&["tour.least_moving_s"], ORDERED));
-    Ok(())
+    Ok(own.iter().sum())
+}
+
+impl Evidence<'_> {
+    /// Checks what the poses are said to have been chosen for beside their information; straight moves through them take `moving`. Gives
+    /// the number of poses that the certificate is for.
+    pub(super) fn traded(
+        &self,
+        stated: &TourDocument,
+        survey: &Survey,
+        moving: f64,
+        unchecked: &mut Vec<Unchecked>,
+    ) -> Result<usize, CertifyError> {
+        let TourDocument { trade, gave_way, order, dwell_s, total_s, .. } = stated;
+        let (goal, tour_tolerance) = (&self.problem.selection.goal, self.problem.selection.tour_tolerance);
+        let by_time = matches!(goal, Goal::Fewest { least: Least::Time, .. });
+        let seconds = if let Goal::Within { seconds, .. } = goal { Some(*seconds) } else { None };
+        let counts = by_time || seconds.is_some() || tour_tolerance > 0.0;
+        same("whether the tour counted in the choice", &trade.is_some(), &counts)?;
+        if !gave_way.is_empty() {
+            if let Some(gone) =
+                gave_way.iter().find(|gone| survey.index_of(gone.id).is_none() || order.contains(&gone.id))
+            {
+                return Err(other("a view that gave way", &gone.id, "a view that is no pose of the plan"));
+            }
+            unchecked.extend(Unchecked::all(&["tour.gave_way"], LED));
+        }
+        let Some(TradeDocument { kept, best_total_s, least_total_s, most_poses }) = trade else {
+            return Ok(order.len());
+        };
+        same("whether the best set is left out with its time", &kept.is_some(), &best_total_s.is_some())?;
+        same("whether the best set is compared with spares", &(kept.is_some() && !gave_way.is_empty()), &false)?;
+        same(
+            "whether a bound on the time is stated",
+            &least_total_s.is_some(),
+            &(seconds.is_none() && gave_way.is_empty()),
+        )?;
+        same("whether the most poses are stated", &most_poses.is_some(), &seconds.is_some())?;
+        let total = moving + dwell_s * order.len() as f64;
+        if let (Some(kept), false) = (kept, by_time)
+            && *kept < 1.0 - tour_tolerance - SAME
+        {
+            return Err(different("the share of the best set's information", *kept, 1.0 - tour_tolerance));
+        }
+        if let Some(best_total) = best_total_s
+            && *best_total < total * (1.0 - SAME_TIME)
+        {
+            return Err(different("the time of the best set's tour", *best_total, total));
+        }
+        if let Some(least) = least_total_s
+            && !(0.0..=total * (1.0 + SAME_TIME)).contains(least)
+        {
+            return Err(different("what no tour of as good a set takes less than", *least, total));
+        }
+        let fields = [("kept", kept.is_some()), ("best_total_s", best_total_s.is_some())];
+        for (field, _) in fields.into_iter().chain([("least_total_s", least_total_s.is_some())]).filter(|field| field.1)
+        {
+            unchecked.extend(Unchecked::all(&[&format!("tour.trade.{field}")], TRADED));
+        }
+        let (Some(seconds), Some(most)) = (seconds, most_poses) else { return Ok(order.len()) };
+        if *total_s > seconds * (1.0 + SAME_TIME) {
+            return Err(different("the time of the tour, which is to be kept,", *total_s, seconds));
+        }
+        let more = self.least_total(survey, most + 1);
+        if *most < order.len() || *most < survey.views.len() && more <= seconds {
+            return Err(other("the most poses whose tour may keep the time", most, &(most + 1)));
+        }
+        Ok(*most)
+    }
+
+    /// Time that no tour of so many poses takes less than: they are apart by the least move between two views that may be taken together,
+    /// where the views are not too many to look at all pairs.
+    fn least_total(&self, survey: &Survey, poses: usize) -> f64 {
+        let MotionSettings { greatest, share, home, dwell, assumed: _ } = &self.problem.motion;
+        let time = |from: &[f64], to: &[f64]| least_time(from, to, greatest, *share);
+        let q: Vec<&[f64]> = survey.views.iter().map(|view| view.q.as_slice()).collect();
+        let open = self.rules.open();
+        let nearest = |place: usize| {
+            let others = open[place + 1..].iter().filter(|&&j| !self.rules.are_too_close(open[place], j));
+            others.map(|&j| time(q[open[place]], q[j])).fold(f64::INFINITY, f64::min)
+        };
+        let apart = if open.len() > Self::MOST_PAIRED {
+            0.0
+        } else {
+            (0..open.len()).into_par_iter().map(nearest).reduce(|| f64::INFINITY, f64::min)
+        };
+        let to_home = home.as_ref().map_or(0.0, |home| {
+            let least = open.iter().map(|&i| time(&home.q, q[i])).fold(f64::INFINITY, f64::min);
+            if home.returns { 2.0 * least } else { least }
+        });
+        let apart = if apart.is_finite() { apart } else { 0.0 };
+        to_home + apart * poses.saturating_sub(1) as f64 + dwell * poses as f64
+    }
+
+    /// Most views of which all pairs are looked at.
+    const MOST_PAIRED: usize = 6000;
 }
 
 /// Checks a move between two stops; its time. A move is looked at from the stop of the lower number, as it was found.

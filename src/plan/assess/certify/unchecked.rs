@@ -22,6 +22,12 @@ pub(crate) const EFFORT: &str = "describes the effort of a search, which only th
 pub(crate) const UNBOUNDED: &str = "is left out; nothing is claimed of poses at other joint values";
 /// What a search for the best order claims.
 pub(crate) const ORDERED: &str = "was proven by a search for the best order, which only `calipose plan` can repeat";
+/// What a search for a shorter tour claims.
+pub(crate) const TRADED: &str =
+    "was found or proven by a search among sets of poses, which only `calipose plan` can repeat";
+/// What a search for ways claims.
+pub(crate) const LED: &str =
+    "names views that no safe way was found to, by a search which only `calipose plan` can repeat";
 /// What may as well be otherwise.
 pub(crate) const TIED: &str = "is one of several orders whose moves take the same times";
 /// What a search claims.

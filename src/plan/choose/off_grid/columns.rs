@@ -74,7 +74,9 @@ pub(super) fn columns(problem: &Problem, chooser: &Chooser, count: usize) -> Res
         let level = columns.iter().map(|column| score(&column.information)).fold(0.0, f64::max);
         let climbed = |starts: &[&View]| {
             let climbs = starts.par_iter().flat_map_iter(|start| TRIES.map(|stretch| (start, stretch)));
-            let climbed = climbs.filter_map(|(start, stretch)| search.climb(start, &[], stretch, &score));
+            let climbed = climbs.filter_map(|(start, stretch)| {
+                search.climb(start, &[], stretch, &|candidate| score(&candidate.information))
+            });
             let mut climbed: Vec<(f64, Candidate)> = climbed.map(|found| (score(&found.information), found)).collect();
             climbed.retain(|(score, _)| *score > level * (1.0 + TOLERANCE));
             climbed.sort_by(|a, b| b.0.total_cmp(&a.0));

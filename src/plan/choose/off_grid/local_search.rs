@@ -27,7 +27,7 @@ const SHARE_OF_RANGE: f64 = 0.02;
 
 /// First steps of the tries from one place, as multiples: beside the border of what is seen a simplex may collapse, and another one,
 /// opened the other way, gets on.
-pub(super) const TRIES: [f64; 2] = [1.0, -0.4];
+pub(crate) const TRIES: [f64; 2] = [1.0, -0.4];
 
 /// What views are judged by, wherever they are.
 pub(crate) struct LocalSearch<'a> {
@@ -96,14 +96,14 @@ impl<'a> LocalSearch<'a> {
         }
     }
 
-    /// Where the simplex method of Nelder and Mead ends that climbs `value` of the matrices from `start`, opened by `stretch`
+    /// Where the simplex method of Nelder and Mead ends that climbs `value` from `start`, opened by `stretch`
     /// times its first steps.
-    pub(super) fn climb(
+    pub(crate) fn climb(
         &self,
         start: &View,
         others: &[&View],
         stretch: f64,
-        value: &dyn Fn(&[f64]) -> f64,
+        value: &dyn Fn(&Candidate) -> f64,
     ) -> Option<Candidate> {
         let slope = Slope { search: self, id: start.id, others, value, known: RefCell::default() };
         let q = DVector::from_column_slice(&start.q);
@@ -132,7 +132,7 @@ struct Slope<'a> {
     search: &'a LocalSearch<'a>,
     id: usize,
     others: &'a [&'a View],
-    value: &'a dyn Fn(&[f64]) -> f64,
+    value: &'a dyn Fn(&Candidate) -> f64,
     /// Costs by the bits of the joint values: a simplex that is hardly larger than what the robot can be told asks for the same ones
     /// again and again.
     known: RefCell<HashMap<Vec<u64>, f64>>,
@@ -144,7 +144,7 @@ impl Slope<'_> {
         let q = self.search.told(q.as_slice());
         let cost = || {
             let found = self.search.look_at(self.id, &q, self.others);
-            found.map_or(f64::INFINITY, |found| -(self.value)(&found.information))
+            found.map_or(f64::INFINITY, |found| -(self.value)(&found))
         };
         let place = q.iter().map(|q| q.to_bits()).collect();
         *self.known.borrow_mut().entry(place).or_insert_with(cost)
@@ -168,7 +168,7 @@ mod tests {
     use crate::information::Criterion;
     use crate::plan::choose::chooser::Chooser;
     use crate::plan::survey::survey;
-    use crate::problem::{Accuracy, Goal, Method, Overrides};
+    use crate::problem::{Accuracy, Goal, Least, Method, Overrides};
 
     fn coarse(set: &str) -> Problem {
         let step = Overrides::new().set("sweep.step_deg=20").unwrap().set("robot.limit_margin_deg=0").unwrap();
@@ -180,8 +180,10 @@ mod tests {
     #[test]
     fn the_matrices_of_every_objective_are_the_choosers() {
         let mut problem = coarse("");
-        problem.selection.goal =
-            Goal::Fewest { accuracies: vec![(Accuracy::MapError, 3.0), (Accuracy::Intrinsic(0), 4.0)] };
+        problem.selection.goal = Goal::Fewest {
+            accuracies: vec![(Accuracy::MapError, 3.0), (Accuracy::Intrinsic(0), 4.0)],
+            least: Least::Poses,
+        };
         let survey = survey(&problem, &|_| {}).unwrap();
         let chooser = Chooser::new(&problem, &survey).unwrap();
         let single = [Criterion::D, Criterion::A, Criterion::E, Criterion::V, Criterion::Zhang, Criterion::Diversity];
@@ -211,13 +213,13 @@ mod tests {
         let chooser = Chooser::new(&problem, &survey).unwrap();
         let search = LocalSearch::new(&problem, &survey, chooser.objective());
         // The first intrinsic's own information.
-        let value = |information: &[f64]| information[0];
+        let value = |candidate: &Candidate| candidate.information[0];
         let mut higher = 0;
         for view in survey.views.iter().step_by(7) {
             let start = search.candidate(view).unwrap();
             let Some(found) = search.climb(view, &[], 1.0, &value) else { continue };
-            assert!(value(&found.information) >= value(&start.information));
-            higher += usize::from(value(&found.information) > 1.05 * value(&start.information));
+            assert!(value(&found) >= value(&start));
+            higher += usize::from(value(&found) > 1.05 * value(&start));
             for (q, joint) in found.view.q.iter().zip(&problem.robot.chain.joints) {
                 let quarters = q.to_degrees() * 4.0;
                 assert!((quarters - quarters.round()).abs() < 1e-9, "{quarters}");

@@ -11,9 +11,9 @@ mod columns;
 mod local_search;
 mod poses;
 
-pub(crate) use local_search::LocalSearch;
+pub(crate) use local_search::{Candidate, LocalSearch, TRIES};
 pub use poses::PolishSettings;
-pub(crate) use poses::{Moved, Poses, moved};
+pub(crate) use poses::{Moved, Poses, add, moved};
 
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256Plus;
@@ -22,7 +22,6 @@ use rayon::prelude::*;
 use super::choice::Choice;
 use super::chooser::Chooser;
 use super::error::PlanError;
-use super::refined_survey::{PICKS, refined_survey};
 use crate::plan::survey::Survey;
 use crate::problem::{Goal, Method, Problem};
 pub(crate) use columns::SAMPLED;
@@ -44,26 +43,17 @@ const LEAST_GAIN: f64 = 1e-4;
 /// Most poses by which fewer are tried than what is found to suffice.
 const FEWER: usize = 3;
 
-/// The candidates of a plan: the [`refined_survey`] of `problem`, and views off the grid where the problem lets poses leave it.
-/// `observe` as in [`survey`](crate::plan::survey::survey).
-///
-/// # Errors
-/// As [`refined_survey`].
-pub fn plan_survey(problem: &Problem, observe: &(dyn Fn(usize) + Sync)) -> Result<Survey, PlanError> {
-    leave_grid(problem, refined_survey(problem, observe)?)
-}
-
-/// Adds views off the grid to a survey, where the problem lets poses leave it.
+/// Adds views off the grid to a survey, for choices of `count` poses, where the problem lets poses leave it.
 ///
 /// # Errors
 /// When the views do not give what a criterion needs.
-pub(crate) fn leave_grid(problem: &Problem, mut survey: Survey) -> Result<Survey, PlanError> {
+pub(crate) fn leave_grid(problem: &Problem, mut survey: Survey, count: usize) -> Result<Survey, PlanError> {
     if !problem.selection.leaves_grid() {
         return Ok(survey);
     }
+    let count = count.min(survey.views.len());
     let Found { columns, sets } = {
         let chooser = Chooser::new(problem, &survey)?;
-        let count = problem.selection.goal.count().unwrap_or(PICKS).min(survey.views.len());
         // Where nothing can be chosen there is nothing to improve; the selection itself says why.
         let Ok(certificate) = chooser.certificate(count) else { return Ok(survey) };
         let most = SHORTLIST.max(SHORTLIST_PER_POSE * count);
@@ -75,12 +65,7 @@ pub(crate) fn leave_grid(problem: &Problem, mut survey: Survey) -> Result<Survey
     survey.add_off_grid(problem, &columns)?;
     for set in sets {
         survey.add_off_grid(problem, &set)?;
-        let mut good: Vec<usize> =
-            set.iter().filter_map(|q| survey.views.iter().position(|view| view.q == *q)).collect();
-        good.sort_unstable();
-        // Poses that ended at the same place are no choice.
-        good.dedup();
-        survey.good = if good.len() == set.len() { good } else { vec![] };
+        survey.good = survey.places_of(&set);
     }
     Ok(survey)
 }
@@ -104,7 +89,9 @@ fn found(problem: &Problem, mut shortlist: Survey, count: usize) -> Result<Found
     shortlist.add_off_grid(problem, &columns)?;
     let mut sets = Vec::new();
     match &problem.selection.goal {
-        Goal::Best { .. } => sets.extend(improved(problem, &mut shortlist, swept, count)?.map(|best| best.joints)),
+        Goal::Best { .. } | Goal::Within { .. } => {
+            sets.extend(improved(problem, &mut shortlist, swept, count)?.map(|best| best.joints))
+        }
         Goal::Fewest { .. } => {
             let most = enough(&Chooser::new(problem, &shortlist)?, count).unwrap_or(0);
             for count in (1..=most).rev().take(1 + FEWER) {

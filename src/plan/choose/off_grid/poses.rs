@@ -110,7 +110,7 @@ impl Poses {
     fn without(&self, instance: &Instance, place: usize) -> Vec<f64> {
         let mut total = instance.prior();
         for (_, pose) in self.0.iter().enumerate().filter(|(other, _)| *other != place) {
-            add(&mut total, &pose.information);
+            add(&mut total, &pose.information, 1.0);
         }
         total
     }
@@ -122,19 +122,21 @@ impl Poses {
         let rest = self.without(instance, place);
         let value_with = |information: &[f64]| {
             let mut total = rest.clone();
-            add(&mut total, information);
+            add(&mut total, information, 1.0);
             instance.log_value_at(&total)
         };
         let before = value_with(&self.0[place].information);
-        let found = search.climb(&self.0[place].view, &others, stretch, &value_with);
+        let found =
+            search.climb(&self.0[place].view, &others, stretch, &|candidate| value_with(&candidate.information));
         if let Some(found) = found.filter(|found| value_with(&found.information) > before) {
             self.0[place] = found;
         }
     }
 }
 
-fn add(total: &mut [f64], information: &[f64]) {
+/// `total += weight · information`.
+pub(crate) fn add(total: &mut [f64], information: &[f64], weight: f64) {
     for (sum, entry) in total.iter_mut().zip(information) {
-        *sum += entry;
+        *sum += weight * entry;
     }
 }

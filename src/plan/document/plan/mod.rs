@@ -23,7 +23,7 @@ pub use robustness::{RobustnessDocument, ScenarioDocument, SeenView, TrialDocume
 pub use run::{Run, RunProblem, RunSeconds};
 pub use survey_counts::SurveyCounts;
 pub(crate) use survey_counts::rejected_by_name;
-pub use tour::{MoveDocument, TourDocument};
+pub use tour::{GaveWayDocument, MoveDocument, TourDocument, TradeDocument};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -179,6 +179,7 @@ impl Plan {
         let fewest = decision.fewest.as_ref().map(|proof| FewestDocument {
             accuracies: chooser.reached(choice).into_iter().map(AccuracyDocument::new).collect(),
             least: proof.least,
+            found: Some(proof.found).filter(|&found| found < choice.selected.len()),
             refutation: proof.refutation.as_ref().map(|refutation| document(&refutation.certificate)),
             nodes: proof.refutation.as_ref().map_or(0, |refutation| refutation.nodes),
         });
@@ -210,7 +211,7 @@ impl Plan {
             search: decision.search.as_ref().map(SearchDocument::new),
             fewest,
             joints: problem.robot.chain.joints.iter().map(|joint| joint.name.clone()).collect(),
-            tour: Some(TourDocument::new(problem, &poses, settings.seed)),
+            tour: Some(TourDocument::new(chooser, &poses, decision)),
             poses,
             off_grid: survey.off_grid_views().iter().map(|view| view.q.clone()).collect(),
         })

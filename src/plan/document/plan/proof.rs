@@ -103,6 +103,9 @@ pub struct FewestDocument {
     pub accuracies: Vec<AccuracyDocument>,
     /// Fewer poses than this are proven not to suffice; as many as the plan has if the proof is complete.
     pub least: usize,
+    /// Fewest poses found that suffice, where the plan has more and a shorter tour.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub found: Option<usize>,
     /// The proof that `least - 1` do not suffice: its bound on the least of (requested / reached)² is below 1. Where a search
     /// was needed, the bound that it started from.
     #[serde(skip_serializing_if = "Option::is_none", default)]

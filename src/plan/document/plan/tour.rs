@@ -4,11 +4,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::PlannedPose;
-use crate::feasibility::Collision;
-use crate::motion::journey::{Arm, Blocked, Clear, Journey, Move};
-use crate::motion::tour::Ends;
-use crate::motion::{Danger, Safety};
-use crate::problem::{MotionSettings, Problem};
+use crate::motion::Danger;
+use crate::motion::journey::{Blocked, Clear, Journey, Move};
+use crate::plan::choose::{Choice, Chooser, Decision, GaveWay, Trade};
+use crate::problem::MotionSettings;
 use crate::robot::Tree;
 
 /// The order of the poses in which the arm's moves take least time, as far as was found: all joints start and stop together, along
@@ -35,9 +34,43 @@ pub struct TourDocument {
     pub dwell_s: f64,
     /// Time of all moves and pictures.
     pub total_s: f64,
+    /// What the poses were chosen for beside their information; left out where their tour did not count.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub trade: Option<TradeDocument>,
+    /// Views that were chosen first and gave way to others, because no safe move leads to them.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub gave_way: Vec<GaveWayDocument>,
     /// Joints of which no greatest speed is stated, and for which a slow one was assumed.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub assumed_speeds: Vec<String>,
+}
+
+/// What poses were chosen for beside their information. Times are those of straight moves, with pictures.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct TradeDocument {
+    /// Share of the information of the best set of poses found that the plan has, where that set has a longer tour; where accuracies
+    /// are to be reached in the least time, of the fewest poses found that do.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub kept: Option<f64>,
+    /// Time of the tour of that set.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub best_total_s: Option<f64>,
+    /// What the tour of no set of the views takes less than that is as good as was asked for: as many poses with no less of the best
+    /// information found than may be given up, or any number of poses that reach the accuracies in the least time.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub least_total_s: Option<f64>,
+    /// Most poses whose tour may keep the time that was asked for; the bound is on sets of so many.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub most_poses: Option<usize>,
+}
+
+/// A view that gave way to another one.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct GaveWayDocument {
+    /// Its id.
+    pub id: usize,
+    /// What stands in the way to it: the names of two links; empty for the tip-over margin.
+    pub endangered: Vec<String>,
 }
 
 /// A move from pose to pose.
@@ -65,34 +98,27 @@ pub struct MoveDocument {
 }
 
 impl TourDocument {
-    /// Of poses in the order of their ids; the seed decides where good orders and ways round are sought.
-    pub(super) fn new(problem: &Problem, poses: &[PlannedPose], seed: u64) -> Self {
+    /// Of poses in the order of their ids, as they were decided for.
+    pub(super) fn new(chooser: &Chooser, poses: &[PlannedPose], decision: &Decision) -> Self {
+        let problem = chooser.problem();
         let MotionSettings { greatest: _, share: _, assumed, home, dwell } = &problem.motion;
         let joints = &problem.robot.chain.joints;
-        let collision = Collision::new(&problem.robot, problem.clearance);
-        let safety = Safety::new(&problem.robot, &collision, problem.stability.as_ref());
-        let arm = Arm::new(&problem.robot, problem.motion.limits(), safety);
-        // Home comes after the poses.
-        let stops = poses.iter().map(|pose| &pose.joints_rad).chain(home.iter().map(|home| &home.q));
-        let stops: Vec<&[f64]> = stops.map(Vec::as_slice).collect();
-        let ends = match home {
-            None => Ends::Open,
-            Some(home) if home.returns => Ends::Round(poses.len()),
-            Some(_) => Ends::From(poses.len()),
-        };
-        let Journey { order, moves, least, as_numbered } = Journey::new(&arm, &stops, ends, seed);
+        let Journey { order, moves, least, as_numbered } = &decision.journey;
+        let tree = &problem.robot.tree;
         let moving: f64 = moves.iter().map(|found| found.seconds).sum();
         Self {
             order: order.iter().filter_map(|&stop| poses.get(stop)).map(|pose| pose.id).collect(),
             home_rad: home.as_ref().map(|home| home.q.clone()),
             returns: home.as_ref().is_some_and(|home| home.returns),
-            moves: moves.into_iter().map(|found| MoveDocument::new(found, &problem.robot.tree)).collect(),
+            moves: moves.iter().map(|found| MoveDocument::new(found, tree)).collect(),
             moving_s: moving,
             // Where all is straight and the order proven best, the two are summed in another order.
             least_moving_s: least.min(moving),
-            moving_by_id_s: as_numbered,
+            moving_by_id_s: *as_numbered,
             dwell_s: *dwell,
             total_s: moving + dwell * poses.len() as f64,
+            trade: decision.trade.as_ref().map(|trade| TradeDocument::new(trade, &decision.choice)),
+            gave_way: decision.gave_way.iter().map(|gone| GaveWayDocument::new(chooser, gone)).collect(),
             assumed_speeds: assumed.iter().map(|&j| joints[j].name.clone()).collect(),
         }
     }
@@ -115,19 +141,41 @@ pub(super) fn in_order<'p>(poses: &'p [PlannedPose], tour: Option<&TourDocument>
     tour.order.iter().filter_map(|id| poses.iter().find(|pose| pose.id == *id)).collect()
 }
 
+impl TradeDocument {
+    fn new(Trade { best, least_seconds, most_poses }: &Trade, choice: &Choice) -> Self {
+        Self {
+            kept: best.as_ref().map(|best| (choice.log_value - best.choice.log_value).exp()),
+            best_total_s: best.as_ref().map(|best| best.seconds),
+            least_total_s: *least_seconds,
+            most_poses: *most_poses,
+        }
+    }
+}
+
+impl GaveWayDocument {
+    fn new(chooser: &Chooser, GaveWay { view, danger }: &GaveWay) -> Self {
+        let tree = &chooser.problem().robot.tree;
+        Self { id: chooser.survey().views[*view].id, endangered: names(*danger, tree) }
+    }
+}
+
+/// The links in danger; none where the robot may tip over.
+fn names(danger: Danger, tree: &Tree) -> Vec<String> {
+    match danger {
+        Danger::Contact(links) => links.map(|link| tree.links[link].name.clone()).to_vec(),
+        Danger::TippingOver => vec![],
+    }
+}
+
 impl MoveDocument {
-    fn new(Move { via, seconds, safety }: Move, tree: &Tree) -> Self {
+    fn new(Move { via, seconds, safety }: &Move, tree: &Tree) -> Self {
         // Moves that take the same time say so to the last digit.
         let seconds = (seconds * 1e9).round() / 1e9;
-        Self { seconds, via_rad: via, ..Self::of_safety(safety.as_ref(), tree) }
+        Self { seconds, via_rad: via.clone(), ..Self::of_safety(safety.as_ref(), tree) }
     }
 
     /// What is known of the safety of a move that takes no time.
     pub(crate) fn of_safety(safety: Option<&Result<Clear, Blocked>>, tree: &Tree) -> Self {
-        let names = |danger: Danger| match danger {
-            Danger::Contact(links) => links.map(|link| tree.links[link].name.clone()).to_vec(),
-            Danger::TippingOver => vec![],
-        };
         let clear = safety.and_then(|safety| safety.as_ref().ok());
         let danger = safety.and_then(|safety| match safety {
             Ok(clear) => clear.nearest,
@@ -139,7 +187,7 @@ impl MoveDocument {
             safe: safety.map(Result::is_ok),
             clearance_m: clear.and_then(|clear| clear.clearance),
             tip_over_margin_m: clear.and_then(|clear| clear.tip_over_margin),
-            endangered: danger.map(names),
+            endangered: danger.map(|danger| names(danger, tree)),
         }
     }
 }

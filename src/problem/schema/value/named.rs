@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use crate::camera::Lens;
 use crate::information::{Criterion, NoiseName};
-use crate::problem::{Method, RobustGoal};
+use crate::problem::{Least, Method, RobustGoal};
 use crate::robot::JointKind;
 use crate::robot::dh::Convention;
 use crate::sweep::AxisRule;
@@ -111,6 +111,16 @@ impl Choice for MountName {
 }
 
 impl Choice for RobustGoal {
+    fn all() -> &'static [Self] {
+        &Self::ALL
+    }
+
+    fn name(self) -> &'static str {
+        self.name()
+    }
+}
+
+impl Choice for Least {
     fn all() -> &'static [Self] {
         &Self::ALL
     }

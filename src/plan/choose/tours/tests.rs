@@ -1,0 +1,206 @@
+//! Small cases, against all sets.
+
+use nalgebra::DMatrix;
+use rand::{Rng, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+use super::Times;
+use super::bound::{Good, nearest};
+use super::swaps::{Aim, Market};
+use crate::motion::JointLimits;
+use crate::problem::{Home, MotionSettings};
+use crate::selection::{
+    Constraints, InformationFunction, InformationSet, Instance, RelaxationSettings, Separation, Term, best,
+};
+
+/// Views of two parameters from two joints: what a view tells depends on where it is.
+struct Small {
+    joints: Vec<Vec<f64>>,
+    candidates: InformationSet,
+    motion: MotionSettings,
+    constraints: Constraints,
+}
+
+const COUNT: usize = 4;
+
+impl Small {
+    fn random(seed: u64) -> Self {
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
+        let joints: Vec<Vec<f64>> = (0..13).map(|_| vec![rng.gen_range(-1.0..1.0), rng.gen_range(-2.0..2.0)]).collect();
+        let told = |q: &Vec<f64>| {
+            let (s, c) = (1.5 * q[0] + 0.3 * q[1]).sin_cos();
+            let strength = 1.0 + 0.3 * q[1].abs();
+            let g = nalgebra::DVector::from_vec(vec![strength * c, strength * s, 0.5 * q[1]]);
+            &g * g.transpose() + 0.01 * DMatrix::identity(3, 3)
+        };
+        let matrices: Vec<DMatrix<f64>> = joints.iter().map(told).collect();
+        let home = match seed % 3 {
+            0 => None,
+            which => Some(Home { q: vec![rng.gen_range(-1.5..1.5), 0.5], returns: which == 1 }),
+        };
+        let limits = |speed, acceleration| JointLimits { speed, acceleration };
+        Self {
+            candidates: InformationSet::from_matrices(3, &matrices).unwrap(),
+            motion: MotionSettings {
+                greatest: vec![limits(0.5, 1.0), limits(1.0, 0.7)],
+                share: 1.0,
+                assumed: vec![],
+                home,
+                dwell: 0.25,
+            },
+            constraints: Constraints {
+                required: if seed % 2 == 0 { vec![7] } else { vec![] },
+                separations: vec![Separation::of(&joints, 0.3)],
+                ..Constraints::default()
+            },
+            joints,
+        }
+    }
+
+    fn joints(&self) -> Vec<&[f64]> {
+        self.joints.iter().map(Vec::as_slice).collect()
+    }
+
+    /// All sets that are allowed, with log Φ and the least time of their moves.
+    fn all(&self, instance: &Instance, times: &Times) -> Vec<(Vec<usize>, f64, f64)> {
+        let mut all = Vec::new();
+        for bits in 0..1_u32 << self.joints.len() {
+            let set: Vec<usize> = (0..self.joints.len()).filter(|&i| bits >> i & 1 == 1).collect();
+            let does_hold = self.constraints.required.iter().all(|i| set.contains(i));
+            let apart = set.iter().enumerate().all(|(c, &i)| instance.rules().allows(&set[..c], None, i));
+            if set.len() == COUNT && does_hold && apart {
+                let log_value = instance.log_value(&set).unwrap();
+                let moving = self.moving(times, &set);
+                all.push((set, log_value, moving));
+            }
+        }
+        all
+    }
+
+    /// The least time of all orders.
+    fn moving(&self, times: &Times, set: &[usize]) -> f64 {
+        let mut orders = vec![vec![]];
+        for &i in set {
+            let with = |order: &Vec<usize>| {
+                (0..=order.len())
+                    .map(|at| {
+                        let mut order = order.clone();
+                        order.insert(at, i);
+                        order
+                    })
+                    .collect::<Vec<_>>()
+            };
+            orders = orders.iter().flat_map(with).collect();
+        }
+        let along = |order: &Vec<usize>| {
+            let q = |c: usize| self.joints[order[c]].as_slice();
+            let between: f64 = (1..order.len()).map(|c| times.between(q(c - 1), q(c))).sum();
+            times.begin(q(0)) + between + times.end(q(order.len() - 1))
+        };
+        orders.iter().map(along).fold(f64::INFINITY, f64::min)
+    }
+}
+
+#[test]
+fn trades_are_allowed_and_about_as_good_as_the_best_of_all_sets() {
+    let (mut best_times, mut best_values) = (0, 0);
+    const RUNS: usize = 30;
+    for seed in 0..RUNS as u64 {
+        let small = Small::random(seed);
+        let function = InformationFunction::Determinant;
+        let term = Term { candidates: &small.candidates, prior: None, function: &function, share: 1.0 };
+        let instance = Instance::constrained(&[term], COUNT, small.constraints.clone()).unwrap();
+        let times = Times::new(&small.motion);
+        let joints = small.joints();
+        let market = Market::new(&instance, &joints, &times, 0..joints.len(), 0);
+        let all = small.all(&instance, &times);
+        let first = best(&instance, &RelaxationSettings::default(), 0).unwrap();
+        let certificate = &first.relaxation.certificate;
+
+        let floor = first.log_value - 0.2;
+        let found = market.trade(&first.selected, Aim::LeastTime { floor }, &mut |_| {}).unwrap();
+        let mut set = found.order.clone();
+        set.sort_unstable();
+        let same = all.iter().find(|(other, ..)| *other == set).expect("the constraints allow it");
+        assert!((same.1 - found.log_value).abs() < 1e-9 && (same.2 - found.moving).abs() < 1e-9);
+        assert!(found.log_value >= floor);
+        let good = || all.iter().filter(|(_, log_value, _)| *log_value >= floor);
+        let least = good().map(|(.., moving)| *moving).fold(f64::INFINITY, f64::min);
+        best_times += usize::from(found.moving < least + 1e-9);
+        let bound = Good { instance: &instance, certificate, floor, joints: &joints, times: &times }.least_moving();
+        assert!(bound <= least + 1e-9, "seed {seed}: {bound} {least}");
+        assert!(bound > 0.2 * least, "seed {seed}: {bound} {least}");
+
+        let most = 0.8 * market.route(&first.selected).moving;
+        let found = market.trade(&first.selected, Aim::MostInformation { most }, &mut |_| {});
+        let Some(found) = found else { continue };
+        assert!(found.moving <= most);
+        let fast = all.iter().filter(|(.., moving)| *moving <= most).map(|(_, log_value, _)| *log_value);
+        let greatest = fast.fold(f64::NEG_INFINITY, f64::max);
+        best_values += usize::from(found.log_value > greatest - 1e-9);
+        assert!(found.log_value > greatest - 0.5, "seed {seed}: {} {greatest}", found.log_value);
+    }
+    assert!(best_times > RUNS * 2 / 3 && best_values > RUNS * 2 / 3, "{best_times} {best_values} of {RUNS}");
+}
+
+#[test]
+fn sets_are_resized_by_what_they_tell_for_their_time() {
+    let small = Small::random(2);
+    let function = InformationFunction::Determinant;
+    let term = Term { candidates: &small.candidates, prior: None, function: &function, share: 1.0 };
+    let instance = Instance::constrained(&[term], COUNT, small.constraints.clone()).unwrap();
+    let times = Times::new(&small.motion);
+    let joints = small.joints();
+    let market = Market::new(&instance, &joints, &times, 0..joints.len(), 0);
+    let start = market.route(&best(&instance, &RelaxationSettings::default(), 0).unwrap().selected);
+    for count in [3, 4, 6] {
+        let resized = market.resized(&start, count).unwrap();
+        assert_eq!(resized.len(), count);
+        assert!(resized.contains(&7), "a required one stays");
+        assert!(resized.iter().enumerate().all(|(c, &i)| instance.rules().allows(&resized[..c], None, i)));
+        assert_eq!(resized.iter().filter(|i| start.order.contains(i)).count(), count.min(COUNT));
+    }
+}
+
+/// Random walks that keep what the bound is of.
+#[test]
+fn no_tour_crosses_a_joint_faster_than_the_bound() {
+    let mut rng = Xoshiro256PlusPlus::seed_from_u64(5);
+    let mut tightest = f64::INFINITY;
+    for seed in 0..2000 {
+        let small = Small::random(seed);
+        let times = Times::new(&small.motion);
+        let poses = rng.gen_range(1..6);
+        let q: Vec<Vec<f64>> = (0..poses).map(|_| vec![rng.gen_range(-1.0..1.0), rng.gen_range(-0.1..0.1)]).collect();
+        let q: Vec<&[f64]> = q.iter().map(Vec::as_slice).collect();
+        let [low, high] = [f64::min, f64::max].map(|of| q.iter().map(|q| q[0]).reduce(of).unwrap());
+        let pairs = q.windows(2).map(|pair| times.between(pair[0], pair[1]));
+        let nearest = pairs.clone().fold(f64::INFINITY, f64::min);
+        let nearest = if nearest.is_finite() { nearest } else { 0.0 };
+        let taken = times.begin(q[0]) + pairs.sum::<f64>() + times.end(q[q.len() - 1]);
+        let bound = times.least_across(0, [low, high], q.len(), nearest);
+        assert!(bound <= taken + 1e-12, "{bound} {taken}: {q:?} {:?}", small.motion.home);
+        tightest = tightest.min(taken - bound);
+    }
+    assert!(tightest < 0.01, "{tightest}");
+}
+
+#[test]
+fn the_nearest_views_are_those_that_may_be_chosen_together() {
+    let small = Small::random(1);
+    let function = InformationFunction::Determinant;
+    let term = Term { candidates: &small.candidates, prior: None, function: &function, share: 1.0 };
+    let of = |constraints| Instance::constrained(&[term], COUNT, constraints).unwrap();
+    let (apart, free) = (of(small.constraints.clone()), of(Constraints::default()));
+    let times = Times::new(&small.motion);
+    let all: Vec<usize> = (0..small.joints.len()).collect();
+    let least = |instance: &Instance| {
+        let pairs = all.iter().flat_map(|&i| all[i + 1..].iter().map(move |&j| (i, j)));
+        let allowed = pairs.filter(|&(i, j)| instance.rules().allows(&[i], None, j));
+        allowed.map(|(i, j)| times.between(&small.joints[i], &small.joints[j])).fold(f64::INFINITY, f64::min)
+    };
+    for instance in [&apart, &free] {
+        assert_eq!(nearest(instance, &small.joints(), &times, &all), least(instance));
+    }
+    assert!(least(&free) < least(&apart));
+}
