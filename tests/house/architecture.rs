@@ -108,7 +108,7 @@ const ROOMS: [(&str, &[&str]); 44] = [
             "diversity",
         ],
     ),
-    ("motion", &["timing", "tour", "way", "safety", "journey"]),
+    ("motion", &["timing", "tour", "way", "safety", "journey", "course"]),
     ("motion::way", &["margins", "straight", "tree", "scout", "connect", "shorten", "search"]),
     ("export", &["error", "program", "example", "text", "csv", "ros", "languages", "format"]),
     ("export::text", &["number", "comment", "name"]),
@@ -211,7 +211,7 @@ const ROOMS: [(&str, &[&str]); 44] = [
             "kind",
         ],
     ),
-    ("plan::document::review", &["picture", "accuracy", "scene", "space"]),
+    ("plan::document::review", &["picture", "accuracy", "scene", "timeline", "space"]),
     (
         "plan::assess",
         &["locate", "compare", "explain", "verify", "forecast", "polish", "next", "reach", "review", "certify"],

@@ -15,5 +15,6 @@ mod pictures;
 mod robust;
 mod sweep_table_iii;
 mod tampered_plans;
+mod timeline;
 mod tour;
 mod warp;
