@@ -32,7 +32,7 @@ const ORDER: [&str; 22] = [
 ];
 
 /// The files and rooms in a room; each may use those before it, and all may use the room's own `mod.rs`.
-const ROOMS: [(&str, &[&str]); 44] = [
+const ROOMS: [(&str, &[&str]); 45] = [
     (
         "selection",
         &[
@@ -223,6 +223,7 @@ const ROOMS: [(&str, &[&str]); 44] = [
     ("experiment::engine", &["quoting", "work", "job", "local", "slurm", "hyperqueue"]),
     ("experiment::study", &["table", "read", "cell", "store", "run", "statistics", "summary", "forecast"]),
     ("report", &["documents", "outcome", "figure", "drawing", "plots", "page"]),
+    ("report::drawing", &["style", "strips"]),
     (
         "report::page",
         &[
@@ -231,6 +232,7 @@ const ROOMS: [(&str, &[&str]); 44] = [
             "table",
             "picture",
             "space",
+            "tour",
             "plan",
             "verification",
             "comparison",
@@ -239,7 +241,10 @@ const ROOMS: [(&str, &[&str]); 44] = [
             "design",
         ],
     ),
-    ("report::plots", &["coverage", "accuracy", "poses", "space", "calibration", "comparison", "study", "design"]),
+    (
+        "report::plots",
+        &["coverage", "accuracy", "poses", "tour", "space", "calibration", "comparison", "study", "design"],
+    ),
     (
         "cli",
         &["interrupt", "own_files", "output", "arguments", "known", "memory", "long_work", "loaded_plan", "command"],
