@@ -1,5 +1,6 @@
 //! Moves of the arm: how long they take, whether they are safe, and in which order of the poses they take least time.
 
+pub mod course;
 pub mod journey;
 mod safety;
 pub mod timing;

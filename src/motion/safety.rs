@@ -77,6 +77,11 @@ impl MarginKind<'_> {
         self.danger(0) == Danger::TippingOver
     }
 
+    /// How many margins there are of it, one at least.
+    pub fn count(&self) -> usize {
+        self.margins.len()
+    }
+
     /// What its margin of that number is of.
     pub fn danger(&self, margin: usize) -> Danger {
         self.safety.danger(self.margins.start + margin)

@@ -49,9 +49,20 @@ impl Profile {
         Self { pass, ramp: if pass > 0.0 { (σ / pass).min(pass) } else { 0.0 } }
     }
 
+    /// Of a move that takes so long (s), of which it speeds up, and slows down, for `ramp` (s).
+    pub fn lasting(duration: f64, ramp: f64) -> Self {
+        let ramp = ramp.min(duration / 2.0);
+        Self { pass: duration - ramp, ramp }
+    }
+
     /// Time of the move, s.
     pub fn duration(&self) -> f64 {
         self.pass + self.ramp
+    }
+
+    /// Time for which it speeds up, and slows down, s.
+    pub fn ramp(&self) -> f64 {
+        self.ramp
     }
 
     /// The share of the way that is done at time `t` (s): 0 before the move, 1 after it.
@@ -167,6 +178,21 @@ mod tests {
                 before = gone;
             }
         }
+    }
+
+    #[test]
+    fn its_duration_and_its_ramp_say_all_of_a_profile() {
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(5);
+        for i in 0..300 {
+            let (limits, [from, to]) = random(&mut rng, [3.0, 0.05][i % 2]);
+            let profile = Profile::between(&from, &to, &limits);
+            let again = Profile::lasting(profile.duration(), profile.ramp());
+            for share in (0..=100).map(|percent| f64::from(percent) / 100.0) {
+                let t = share * profile.duration();
+                assert!((again.at(t) - profile.at(t)).abs() < 1e-14, "{profile:?} {t}");
+            }
+        }
+        assert_eq!(Profile::lasting(0.0, 0.0).at(0.0), 1.0);
     }
 
     #[test]

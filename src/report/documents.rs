@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::plan::document::{ErrorGrid, Explanation, Plan, Review, Scene, SurveyedViews, Verification};
+use crate::plan::document::{ErrorGrid, Explanation, Plan, Review, Scene, SurveyedViews, Timeline, Verification};
 
 /// The documents that the report of a plan is made of.
 #[derive(Debug, Clone, Copy)]
@@ -52,13 +52,16 @@ impl<'a> PlanDocuments<'a> {
             "poses",
             review.poses.iter().all(|pose| joint_values(&pose.joints) && joint_values(&pose.joints_display)),
         )?;
+        lengths("timeline", review.timeline.as_ref().is_none_or(|timeline| timeline.is_regular(joints)))?;
         let square = correlation.len() == p && correlation.iter().all(|row| row.len() == p);
         lengths("correlation", correlation.is_empty() || square)?;
         lengths("error_map", maps.all(ErrorGrid::is_regular))?;
         if let Some(key) = dangling(&review.scene) {
             return Err(Disagreement::Names(key));
         }
-        if !plan.in_order().iter().map(|pose| pose.id).eq(review.poses.iter().map(|pose| pose.id)) {
+        let ids: Vec<usize> = plan.in_order().iter().map(|pose| pose.id).collect();
+        let has_others = |timeline: &Timeline| !timeline.pictures.iter().map(|picture| &picture.id).eq(&ids);
+        if !review.poses.iter().map(|pose| &pose.id).eq(&ids) || review.timeline.as_ref().is_some_and(has_others) {
             return Err(Disagreement::Poses);
         }
         Ok(Self { plan, review, explanation, verification })

@@ -73,6 +73,15 @@ pub enum Content {
         /// Length drawn of a vector of 1 px, px.
         scale: f64,
     },
+    /// Strips one above the other, of what changes with time.
+    Strips {
+        /// The strips, from the top.
+        strips: Vec<Strip>,
+        /// What takes its time, in a lane above the strips and behind them all.
+        bands: Vec<Band>,
+        /// Where the time ends, which begins at 0; s.
+        end: f64,
+    },
     /// How many of what becomes what.
     Flow(Vec<(String, String, f64)>),
     /// Numbers with their intervals, one a row, and what they should be.
@@ -82,6 +91,43 @@ pub enum Content {
         /// What they should be.
         expected: f64,
     },
+}
+
+/// Lines and points over time, with a vertical axis of their own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Strip {
+    /// What it is of, with its unit.
+    pub name: String,
+    /// Ends of the vertical axis.
+    pub range: (f64, f64),
+    /// How high it is, against the others.
+    pub height: f64,
+    /// What is in it.
+    pub series: Vec<Series>,
+}
+
+/// What takes its time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Band {
+    /// When it begins and ends, s.
+    pub time: (f64, f64),
+    /// What it is.
+    pub kind: BandKind,
+    /// What stands above it, where there is room.
+    pub label: String,
+    /// What it is, in words.
+    pub title: String,
+}
+
+/// What takes its time on a tour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BandKind {
+    /// Pictures at a pose.
+    Pictures,
+    /// A move that goes round about.
+    RoundAbout,
+    /// A move that is not proven safe.
+    NotSafe,
 }
 
 /// Points that belong together.

@@ -50,15 +50,75 @@ fn a_report_is_one_page_that_needs_nothing_else() {
     }
     assert!(!page.contains("NaN") || !page.contains(">NaN<"));
 
-    // Every plot and picture is an image with a name, as wide as its place.
+    // Every plot and picture is an image with a name, as wide as its place; the tour is drawn for wide and for narrow ones.
     let images = page.matches("<svg viewBox=\"").count();
-    assert_eq!((images, page.matches("role=\"img\" aria-label=\"").count()), (9 + 8, 9 + 8));
+    assert_eq!((images, page.matches("role=\"img\" aria-label=\"").count()), (9 + 8 + 2, 9 + 8 + 2));
 
     // Written anew it is the same, byte by byte.
     let said = desk.stdout("report out/plan.json");
     assert!(said.contains("Written to out/report.html"), "{said}");
     assert!(page == fs::read_to_string(desk.path("out/report.html")).unwrap());
     desk.stdout("certify out/plan.json -q");
+}
+
+#[test]
+fn a_report_draws_the_tour_in_time() {
+    let (desk, plan) = planned();
+    let page = fs::read_to_string(desk.path("out/report.html")).unwrap();
+    let tour = &page[page.find("<section id=\"tour\">").unwrap()..page.find("<section id=\"picture\">").unwrap()];
+    for joint in ["waist [°]", "shoulder [°]", "elbow [°]", "neck [°]", "time [s]"] {
+        // Wide and narrow.
+        assert_eq!(tour.matches(&format!(">{joint}</text>")).count(), 2, "{joint}");
+    }
+    for id in ids(&plan) {
+        assert_eq!(tour.matches(&format!("<title>pose {id}: pictures at ")).count(), 2, "{id}");
+    }
+    assert!(tour.contains("nothing is tested, so nothing is known") && !tour.contains("Clearance"), "{tour}");
+    assert!(tour.contains("In this order the moves take"));
+
+    // With bodies, and a move that is not straight and one that is not safe.
+    let problem = std::path::absolute("problems/servosila-engineer-bodies.toml").unwrap();
+    desk.run(&format!("plan {} -q --set sweep.step_deg=15 -k 6 --trials 0 -o bodies", problem.display()));
+    let mut plan: Plan = serde_json::from_str(&fs::read_to_string(desk.path("bodies/plan.json")).unwrap()).unwrap();
+    let mut review: Review =
+        serde_json::from_value(desk.json(&format!("report bodies/plan.json --problem {} --json", problem.display())))
+            .unwrap();
+    let explanation: Explanation = serde_json::from_str(
+        &desk.stdout(&format!("explain bodies/plan.json --problem {} --most 1 --json", problem.display())),
+    )
+    .unwrap();
+    let page = |plan: &Plan, review: &Review| {
+        let documents = PlanDocuments::new(plan, review, &explanation, None).unwrap();
+        let page = plan_page(&documents);
+        page[page.find("<section id=\"tour\">").unwrap()..page.find("<section id=\"picture\">").unwrap()].to_owned()
+    };
+    let safe = page(&plan, &review);
+    let timeline = review.timeline.as_mut().unwrap();
+    for curve in timeline.curves() {
+        let least = format!("{:.1} mm", 1e3 * curve.least_m());
+        let time = format!("data-time=\"{}\"", timeline.measured_s[curve.least]);
+        assert!(safe.contains(&format!("<strong>{least}</strong>")) && safe.contains(&time), "{least} {time}: {safe}");
+    }
+    for words in
+        ["Clearance [mm]", "Tip-over margin [mm]", "required", "Nothing is measured in between", "Proven all along"]
+    {
+        assert!(safe.contains(words), "{words}");
+    }
+    assert!(!safe.contains("not proven safe.</strong>") && !safe.contains(": goes round about"), "{safe}");
+    timeline.moves[1].safe = Some(false);
+    let leg = timeline.moves[2].legs[0].clone();
+    timeline.moves[2].legs.push(leg);
+    plan.tour.as_mut().unwrap().moves[1].safe = Some(false);
+    let marked = page(&plan, &review);
+    for words in [
+        "<title>move 2, from pose 2 to pose 3: not proven safe</title>",
+        "<title>move 3, from pose 3 to pose 4: goes round about, with one turn</title>",
+        "<strong>not proven safe</strong>",
+        "round about, with one turn. ",
+        "NOT SAFE",
+    ] {
+        assert!(marked.contains(words), "{words}: {marked}");
+    }
 }
 
 #[test]
@@ -207,6 +267,9 @@ fn documents_that_do_not_agree_have_no_plots() {
         ("/others/0/error_map/v_px/0", Disagreement::Lengths("error_map")),
         ("/joints/0", Disagreement::Lengths("poses")),
         ("/links/3", Disagreement::Names("links")),
+        ("/timeline/start/0", Disagreement::Lengths("timeline")),
+        ("/timeline/moves/1/legs/0/to/0", Disagreement::Lengths("timeline")),
+        ("/timeline/pictures/0", Disagreement::Poses),
         ("/poses/0", Disagreement::Poses),
     ] {
         let mut changed = review.clone();
@@ -264,7 +327,7 @@ fn figures_are_drawn_at_their_size() {
     let (desk, _) = planned();
     let all = desk.json("figures out/plan.json --format svg --width-mm 85 --font-pt 7 --json");
     let files = all["files"].as_array().unwrap();
-    assert_eq!(files.len(), 13, "{all}");
+    assert_eq!(files.len(), 14, "{all}");
     for file in files {
         let svg = fs::read_to_string(desk.path("out/figures").join(file["file"].as_str().unwrap())).unwrap();
         let drawing = Document::parse(&svg).unwrap();
@@ -273,8 +336,8 @@ fn figures_are_drawn_at_their_size() {
         assert!(!svg.contains("var(--"), "{file}: colours of a page");
     }
     // A picture of 100 dots an inch, two inches wide.
-    desk.stdout("figures out/plan.json -q --format png --only joints,arm --width-mm 50.8 --dpi 100 -o shots");
-    assert_eq!(desk.files("shots"), ["arm.png", "joints.png"]);
+    desk.stdout("figures out/plan.json -q --format png --only joints,arm,tour --width-mm 50.8 --dpi 100 -o shots");
+    assert_eq!(desk.files("shots"), ["arm.png", "joints.png", "tour.png"]);
     let png = fs::read(desk.path("shots/arm.png")).unwrap();
     assert_eq!(&png[1..4], b"PNG");
     assert_eq!(u32::from_be_bytes(png[16..20].try_into().unwrap()), 200);

@@ -11,5 +11,6 @@ if [ ! -x "${CHROMIUM:-/usr/bin/chromium}" ]; then
     apt-get install -y -qq --no-install-recommends chromium >/dev/null
 fi
 npm ci --no-audit --no-fund --silent
+node timeline.mjs
 node check.mjs "${pages[0]}"
 if [ ${#pages[@]} -gt 1 ]; then node document.mjs "${pages[@]:1}"; fi

@@ -108,7 +108,7 @@ const ROOMS: [(&str, &[&str]); 45] = [
             "diversity",
         ],
     ),
-    ("motion", &["timing", "tour", "way", "safety", "journey"]),
+    ("motion", &["timing", "tour", "way", "safety", "journey", "course"]),
     ("motion::way", &["margins", "straight", "tree", "scout", "connect", "shorten", "search"]),
     ("export", &["error", "program", "example", "text", "csv", "ros", "languages", "format"]),
     ("export::text", &["number", "comment", "name"]),
@@ -214,7 +214,7 @@ const ROOMS: [(&str, &[&str]); 45] = [
             "kind",
         ],
     ),
-    ("plan::document::review", &["picture", "accuracy", "scene", "space"]),
+    ("plan::document::review", &["picture", "accuracy", "scene", "timeline", "space"]),
     (
         "plan::assess",
         &["locate", "compare", "explain", "verify", "forecast", "polish", "next", "reach", "review", "certify"],
@@ -226,6 +226,7 @@ const ROOMS: [(&str, &[&str]); 45] = [
     ("experiment::engine", &["quoting", "work", "job", "local", "slurm", "hyperqueue"]),
     ("experiment::study", &["table", "read", "cell", "store", "run", "statistics", "summary", "forecast"]),
     ("report", &["documents", "outcome", "figure", "drawing", "plots", "page"]),
+    ("report::drawing", &["style", "strips"]),
     (
         "report::page",
         &[
@@ -234,6 +235,7 @@ const ROOMS: [(&str, &[&str]); 45] = [
             "table",
             "picture",
             "space",
+            "tour",
             "plan",
             "verification",
             "comparison",
@@ -242,7 +244,10 @@ const ROOMS: [(&str, &[&str]); 45] = [
             "design",
         ],
     ),
-    ("report::plots", &["coverage", "accuracy", "poses", "space", "calibration", "comparison", "study", "design"]),
+    (
+        "report::plots",
+        &["coverage", "accuracy", "poses", "tour", "space", "calibration", "comparison", "study", "design"],
+    ),
     (
         "cli",
         &["interrupt", "own_files", "output", "arguments", "known", "memory", "long_work", "loaded_plan", "command"],

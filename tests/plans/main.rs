@@ -16,5 +16,6 @@ mod robust;
 mod sweep_table_iii;
 mod tampered_plans;
 mod timed;
+mod timeline;
 mod tour;
 mod warp;

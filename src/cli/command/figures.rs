@@ -11,7 +11,7 @@ use crate::cli::output::Screen;
 use crate::cli::output::failure::Failure;
 use crate::plan::document::{Document, FigureFile, FiguresDocument, ProblemReference};
 use crate::plan::results::{probe, write_together};
-use crate::report::{Figure, Style, plan_drawings, plan_figures, png, svg};
+use crate::report::{Figure, Style, plan_drawings, plan_figures, png, svg, tour_figure};
 
 #[derive(Debug, Args)]
 pub(crate) struct FiguresArguments {
@@ -64,7 +64,8 @@ pub(crate) fn run(arguments: &FiguresArguments, screen: &mut Screen) -> Result<(
     let (chooser, selected) = loaded.locate(path, &survey)?;
     let reported = Reported::beside(path, &loaded.plan, &chooser, &selected)?;
     let documents = reported.documents(&loaded.plan)?;
-    let all = [plan_figures(&documents), plan_drawings(&documents)].concat();
+    let tour = tour_figure(&documents).into_iter().collect();
+    let all = [plan_figures(&documents), tour, plan_drawings(&documents)].concat();
     let figures = arguments.chosen(&all)?;
     let mut files = Vec::new();
     let mut listed = Vec::new();

@@ -22,7 +22,7 @@ pub use straight::{Failure, Place, Precision, Proof, prove};
 
 /// The configuration at the share `t` of a straight move: no joint beyond its ends by rounding, and on the way back, bit for bit
 /// the same at 1 − t where 1 − t is exact.
-fn between(from: &[f64], to: &[f64], t: f64) -> Vec<f64> {
+pub(super) fn between(from: &[f64], to: &[f64], t: f64) -> Vec<f64> {
     let value = |(&a, &b): (&f64, &f64)| match (1.0 - t) * a + t * b {
         value if value < a.min(b) => a.min(b),
         value if value > a.max(b) => a.max(b),

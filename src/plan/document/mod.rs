@@ -43,8 +43,9 @@ pub use problem::{
 };
 pub use refusal::{ErrorDocument, FaultDocument, FaultInFile};
 pub use review::{
-    BoundPoint, NearestLinks, OtherChoice, Picture, Review, ReviewedPose, Scene, SceneBoard, SceneCamera, SceneJoint,
-    SceneLink, SceneMotion, SceneShape, SceneSolid, Silhouette, SurveyedViews,
+    BoundPoint, MarginCurve, NearestLinks, OtherChoice, Picture, PictureTime, Review, ReviewedPose, Scene, SceneBoard,
+    SceneCamera, SceneJoint, SceneLink, SceneMotion, SceneShape, SceneSolid, Silhouette, SurveyedViews, TimedLeg,
+    TimedMove, Timeline,
 };
 pub(crate) use review::{Space, image_share};
 pub use study::{

@@ -12,6 +12,7 @@ mod plan;
 mod space;
 mod study;
 mod table;
+mod tour;
 mod verification;
 
 pub use calibration::calibration_page;
@@ -62,22 +63,24 @@ fn plots(figures: &[Figure]) -> Markup {
 
 /// A plot with its title and caption.
 fn plot(figure: &Figure) -> Markup {
-    let drawn = svg(figure, &Style::page(560.0, 340.0));
+    let style = Style::page(560.0, 340.0);
+    let drawn = svg(figure, &style);
     html! {
         figure class="plot" id=(&*figure.name) {
             h3 { (figure.title) }
-            (PreEscaped(labelled(&drawn, figure)))
+            (PreEscaped(labelled(&drawn, figure, &style)))
             figcaption { (figure.caption) }
         }
     }
 }
 
 /// The drawing as an image with a name, as wide as its place.
-fn labelled(drawn: &str, figure: &Figure) -> String {
+fn labelled(drawn: &str, figure: &Figure, style: &Style) -> String {
     let name = html! { (figure.title) }.into_string();
+    let Style { width, height, .. } = style;
     drawn.replacen(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"560\" height=\"340\"",
-        &format!("<svg viewBox=\"0 0 560 340\" role=\"img\" aria-label=\"{name}\""),
+        &format!("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\""),
+        &format!("<svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{name}\""),
         1,
     )
 }

@@ -7,6 +7,7 @@ use super::head::{Head, Tone, figure};
 use super::picture::picture;
 use super::space::space;
 use super::table::{Cell, Row, table};
+use super::tour::tour;
 use super::{page, plots};
 use crate::figures::{grouped, short};
 use crate::plan::document::{
@@ -19,14 +20,17 @@ use crate::report::{PlanDocuments, outcome};
 pub fn plan_page(documents: &PlanDocuments) -> String {
     let PlanDocuments { plan, review, explanation, .. } = documents;
     let head = head(documents);
+    let tour = tour(documents);
     let body = html! {
         (head.markup())
         nav class="contents" aria-label="Contents" {
+            @if tour.is_some() { a href="#tour" { "Tour" } " " }
             a href="#poses" { "Poses" } a href="#plots" { "Plots" } a href="#intrinsics" { "Intrinsics" } a href="#made" { "How it was made" }
         }
         main {
             div class="stage" {
                 (space(review))
+                @if let Some(tour) = &tour { (tour) }
                 section id="picture" {
                     h2 { "What the camera sees" }
                     div class="panels" { @for pose in &review.poses { (panel(review, explanation, pose)) } }

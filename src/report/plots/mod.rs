@@ -8,6 +8,7 @@ mod design;
 mod poses;
 mod space;
 mod study;
+mod tour;
 
 use super::PlanDocuments;
 use super::figure::Figure;
@@ -27,6 +28,11 @@ pub fn plan_figures(documents: &PlanDocuments) -> Vec<Figure> {
     figures.push(poses::rejections(plan));
     figures.push(poses::joints(review));
     figures
+}
+
+/// The tour of a plan in time: a page has it beside the view in space.
+pub fn tour_figure(documents: &PlanDocuments) -> Option<Figure> {
+    tour::tour(documents.review)
 }
 
 /// Drawings in space, for paper: a page has a view in space in their place.

@@ -68,6 +68,28 @@ async function assertChosen(page, id, by) {
   assert.deepEqual([...new Set(rows)], [id], `${by}: the rows marked`);
 }
 
+const time = (page) => page.evaluate(() => window.caliposeReport.time());
+
+/** The tour's cursor is where the time is. */
+async function assertCursor(page) {
+  const [left, expected] = await page.evaluate(() => {
+    const { time, timeline } = window.caliposeReport;
+    return [parseFloat(document.querySelector("#tour .cursor").style.left), (100 * time()) / timeline.end_s];
+  });
+  assert(Math.abs(left - expected) < 1e-3, `the cursor at ${left} %, the time at ${expected} %`);
+}
+
+/** The arm is where the tour is at its time, and so is the cursor. */
+async function assertArm(page) {
+  await settle(page);
+  const [shown, expected] = await page.evaluate(() => {
+    const { configuration, configurationAt, time } = window.caliposeReport;
+    return [configuration(), configurationAt(time())];
+  });
+  shown.forEach((value, j) => assert(Math.abs(value - expected[j]) < 1e-9, `joint ${j + 1}: ${value}, ${expected[j]}`));
+  await assertCursor(page);
+}
+
 // The page in a wide window
 
 await check(`the first frame of the 3-D view comes within ${FIRST_FRAME_MS} ms`, async () => {
@@ -114,7 +136,7 @@ await check("buttons and the list step from pose to pose", async () => {
   await assertChosen(page, at(1), "next");
   for (let i = 0; i < 2; i++) await page.getByRole("button", { name: /^previous pose/i }).click();
   await assertChosen(page, at(-1), "previous, around the start");
-  await changesPicture(page, () => page.locator("#view3d select").selectOption(at(2)), "list");
+  await changesPicture(page, () => page.getByLabel("Pose", { exact: true }).selectOption(at(2)), "list");
   await assertChosen(page, at(2), "list");
 });
 
@@ -183,6 +205,7 @@ await check("the wheel scrolls the page until the view has the focus", async () 
 });
 
 await check("keys in the view step and play", async () => {
+  await page.getByLabel("Speed of the playing").selectOption("8");
   await page.locator("#view3d [role=application]").focus();
   const before = all.indexOf(await chosen(page));
   await page.keyboard.press("n");
@@ -190,11 +213,170 @@ await check("keys in the view step and play", async () => {
   await page.keyboard.press("p");
   await assertChosen(page, at(before), "P");
   await page.keyboard.press(" ");
-  await page.waitForFunction((id) => window.caliposeReport.chosen() === id, at(before + 2), { timeout: 8000 });
+  await page.waitForFunction((id) => window.caliposeReport.chosen() === id, at(before + 1), { timeout: 30_000 });
   await page.keyboard.press(" ");
-  const stopped = await chosen(page);
-  await page.waitForTimeout(2000);
-  assert.equal(await chosen(page), stopped, "after a second space");
+  const stopped = await time(page);
+  await page.waitForTimeout(300);
+  assert.equal(await time(page), stopped, "after a second space");
+  await page.keyboard.press("n");
+});
+
+// The tour in time
+
+await check("the joints are at each pose when its pictures are taken", async () => {
+  const worst = await page.evaluate(() => {
+    const { poses, timeline, configurationAt } = window.caliposeReport;
+    const off = timeline.pictures.flatMap(({ id, start_s, seconds }) => {
+      const { joints } = poses.find((pose) => pose.id === id);
+      return [start_s, start_s + seconds].flatMap((time) => configurationAt(time).map((value, j) => Math.abs(value - joints[j])));
+    });
+    return off.includes(NaN) ? NaN : Math.max(...off);
+  });
+  assert(worst < 1e-9, `largest difference ${worst}`);
+  return `largest difference ${worst.toExponential(1)}`;
+});
+
+await check("a pose that is chosen is where the tour's cursor goes", async () => {
+  for (const index of [3, 0]) {
+    await page.getByLabel("Pose", { exact: true }).selectOption(at(index));
+    const arrival = await page.evaluate((i) => window.caliposeReport.timeline.pictures[i].start_s, index);
+    assert.equal(await time(page), arrival);
+    await assertCursor(page);
+    assert.match(await page.locator(".readout").textContent(), new RegExp(`at pose ${index + 1}(?!\\d)`));
+  }
+});
+
+await check("a click on the tour's drawing and dragging set its time, and the arm is where the tour is then", async () => {
+  const track = page.locator("#tour .track");
+  await track.scrollIntoViewIfNeeded();
+  const box = await track.boundingBox();
+  const end = await page.evaluate(() => window.caliposeReport.timeline.end_s);
+  const y = box.y + box.height / 2;
+  const aim = (share) => box.x + share * box.width;
+  await changesPicture(page, () => page.mouse.click(aim(0.37), y), "a click");
+  assert(Math.abs((await time(page)) - 0.37 * end) < (end / box.width) * 1.5, `at ${await time(page)} of ${end} s`);
+  await assertArm(page);
+  await changesPicture(page, async () => {
+    await page.mouse.down();
+    await page.mouse.move(aim(0.6), y + 40, { steps: 5 });
+    await page.mouse.up();
+  }, "dragging");
+  assert(Math.abs((await time(page)) - 0.6 * end) < (end / box.width) * 1.5, `at ${await time(page)} of ${end} s`);
+  await assertArm(page);
+  const there = await time(page);
+  await page.mouse.move(aim(0.2), y);
+  assert.equal(await time(page), there, "after the button is let go");
+  // In the middle of every picture its pose is chosen.
+  for (const { id, start_s, seconds } of await page.evaluate(() => window.caliposeReport.timeline.pictures.slice(0, 4))) {
+    if (seconds * (box.width / end) < 3) continue;
+    await page.mouse.click(aim((start_s + seconds / 2) / end), y);
+    await assertChosen(page, String(id), "a click on its pictures");
+    await assertArm(page);
+  }
+});
+
+await check("keys move the tour's cursor", async () => {
+  await page.locator("#tour .track").focus();
+  const end = await page.evaluate(() => window.caliposeReport.timeline.end_s);
+  for (const [key, change] of [["Home", null], ["ArrowRight", 0.1], ["Shift+ArrowRight", 1], ["ArrowLeft", -0.1], ["Shift+ArrowLeft", -1]]) {
+    const before = await time(page);
+    await page.keyboard.press(key);
+    const expected = change === null ? 0 : Math.min(Math.max(before + change, 0), end);
+    assert(Math.abs((await time(page)) - expected) < 1e-9, `${key}: ${await time(page)}`);
+    await assertArm(page);
+  }
+  await page.keyboard.press("End");
+  assert.equal(await time(page), end, "End");
+  await page.keyboard.press("PageDown");
+  await page.keyboard.press("PageUp");
+  const slider = await page.locator("#tour .track").evaluate((node) => [node.getAttribute("aria-valuenow"), node.getAttribute("aria-valuetext")]);
+  assert.equal(slider[0], (await time(page)).toFixed(1), "aria-valuenow");
+  assert.match(slider[1], /pose \d+/, "aria-valuetext");
+});
+
+await check("buttons show where the tour comes closest to anything", async () => {
+  const buttons = page.locator("#tour [data-time]");
+  const curves = await page.evaluate(() => {
+    const { clearance, changing_clearance, tip_over_margin, measured_s } = window.caliposeReport.timeline;
+    // Links that are nearest of all are shown once.
+    const other = changing_clearance?.least === clearance?.least ? null : changing_clearance;
+    return [clearance, other, tip_over_margin].filter(Boolean).map(({ measured_m, least, nearest, pairs }) => ({
+      time: measured_s[least], isLeast: measured_m.every((value) => value >= measured_m[least]),
+      shown: `${(1000 * measured_m[least]).toFixed(1)} mm${pairs ? `, ${pairs[nearest[least]].join(" – ")}` : ""}`,
+    }));
+  });
+  assert((await buttons.count()) >= curves.length, "a button for each");
+  for (const [i, curve] of curves.entries()) {
+    assert(curve.isLeast, "the least that was measured");
+    await buttons.nth(i).click();
+    assert.equal(await time(page), curve.time);
+    await assertArm(page);
+    assert((await page.locator(".readout").textContent()).includes(curve.shown), `the readout says ${curve.shown}`);
+  }
+  return curves.length ? `${curves.length} curves` : "nothing is tested of this plan";
+});
+
+await check("playing moves the cursor and the arm as fast as is asked, chooses poses, and ends at the end", async () => {
+  await page.locator("#tour .track").focus();
+  await page.keyboard.press("Home");
+  const end = await page.evaluate(() => window.caliposeReport.timeline.end_s);
+  const play = page.getByRole("button", { name: "Play", exact: true });
+  for (const speed of ["1", "8"]) {
+    await page.getByLabel("Speed of the playing").selectOption(speed);
+    await play.click();
+    const run = await page.evaluate(() => new Promise((done) => {
+      const seen = [];
+      const look = (now) => {
+        const { time, configuration, configurationAt } = window.caliposeReport;
+        const off = configurationAt(time()).map((value, j) => Math.abs(value - configuration()[j]));
+        const cursor = document.querySelector("#tour .cursor").style.left;
+        seen.push({ now, time: time(), off: Math.max(...off), cursor: parseFloat(cursor) });
+        if (seen.length < 4 || now - seen[0].now < 400) requestAnimationFrame(look);
+        else done(seen);
+      };
+      requestAnimationFrame(look);
+    }));
+    await page.getByRole("button", { name: "Pause", exact: true }).click();
+    assert(run.every(({ off }) => off === 0), "the arm is where the tour is");
+    assert(run.every(({ time, cursor }) => Math.abs(cursor - (100 * time) / end) < 1e-3), "so is the cursor");
+    const [first, last] = [run[0], run.at(-1)];
+    const ratio = (last.time - first.time) / ((last.now - first.now) / 1000);
+    assert(Math.abs(ratio - Number(speed)) < 0.05 * Number(speed), `×${speed}: ${ratio}`);
+  }
+  // The poses on the way to the end, one after the other; slowly, so that a busy machine draws each.
+  await page.getByLabel("Speed of the playing").selectOption("1");
+  const expected = await page.evaluate(() => {
+    const now = window.caliposeReport.time();
+    return window.caliposeReport.timeline.pictures.filter(({ start_s, seconds }) => start_s + seconds > now).slice(-3).map(({ id }) => String(id));
+  });
+  const from = await page.evaluate((id) => window.caliposeReport.timeline.pictures.find((picture) => String(picture.id) === id).start_s, expected[0]);
+  const share = (from - 0.05) / end;
+  const box = await page.locator("#tour .track").boundingBox();
+  await page.mouse.click(box.x + Math.max(share, 0) * box.width, box.y + box.height / 2);
+  const seen = page.evaluate(() => new Promise((done) => {
+    const ids = [];
+    let begun = false;
+    const look = () => {
+      const { chosen, playing } = window.caliposeReport;
+      begun ||= playing();
+      if (begun && ids.at(-1) !== chosen()) ids.push(chosen());
+      if (playing() || !begun) requestAnimationFrame(look);
+      else done(ids);
+    };
+    look();
+  }));
+  await play.click();
+  assert.deepEqual((await seen).filter((id) => expected.includes(id)), expected, "poses chosen");
+  assert.equal(await time(page), end, "in the end");
+  await assertArm(page);
+});
+
+await check("a choice by the reader ends the playing", async () => {
+  await page.getByLabel("Speed of the playing").selectOption("1");
+  await page.getByRole("button", { name: "Play", exact: true }).click();
+  await page.getByRole("button", { name: /^next pose/i }).click();
+  assert.equal(await page.evaluate(() => window.caliposeReport.playing()), false);
+  assert.equal(await page.getByRole("button", { name: "Play", exact: true }).getAttribute("aria-pressed"), "false");
 });
 
 await check("toggles change the picture", async () => {
@@ -332,8 +514,9 @@ await check("in print there are all plots and all panels, and no controls", asyn
     return new Set(new Uint32Array(data.buffer)).size;
   });
   assert(colours > 100, `the printed picture of the 3-D view has ${colours} colours`);
-  await assertAllVisible(one, [".print-picture", ".plot svg", "[data-pose-panel]", "table"]);
-  for (const part of ["#view3d [role=application]", "#view3d button", "#view3d select", "#view3d input", ".table-tools", ".choose"]) {
+  await assertAllVisible(one, [".print-picture", ".timeline .wide svg", ".plot svg", "[data-pose-panel]", "table"]);
+  const controls = ["#view3d [role=application]", "#view3d button", "#view3d select", "#view3d input", ".track", ".readout", ".table-tools", ".choose"];
+  for (const part of controls) {
     assert.equal(await one.locator(`${part}:visible`).count(), 0, part);
   }
   await one.evaluate(() => dispatchEvent(new Event("afterprint")));
@@ -345,8 +528,28 @@ await check("a phone's window, 360 px wide, shows everything; wide tables scroll
   const one = await openView({ viewport: PHONE, hasTouch: true, isMobile: true });
   await shoot(one, "phone");
   await assertNothingCutOff(one);
+  await assertAllVisible(one, [".timeline .narrow svg", ".readout dd"]);
+  assert.equal(await one.locator(".timeline .wide svg:visible").count(), 0, "the wide drawing");
   const { colours } = await picture(one);
   assert(colours > 100, `${colours} colours`);
+  await close(one);
+});
+
+await check("a finger drags the tour's cursor", async () => {
+  const one = await openView({ viewport: PHONE, hasTouch: true, isMobile: true });
+  await one.locator(".track").scrollIntoViewIfNeeded();
+  const box = await one.locator(".track").boundingBox();
+  const y = box.y + Math.min(box.height / 2, 200);
+  const screen = await one.context().newCDPSession(one);
+  const touch = (type, ...touchPoints) => screen.send("Input.dispatchTouchEvent", { type, touchPoints });
+  await changesPicture(one, async () => {
+    await touch("touchStart", { x: box.x + 0.3 * box.width, y });
+    for (const share of [0.4, 0.5, 0.6, 0.7]) await touch("touchMove", { x: box.x + share * box.width, y });
+    await touch("touchEnd");
+  }, "dragging");
+  const share = await one.evaluate(() => window.caliposeReport.time() / window.caliposeReport.timeline.end_s);
+  assert(Math.abs(share - 0.7) < 0.02, `at ${share} of the tour`);
+  await assertArm(one);
   await close(one);
 });
 
@@ -382,8 +585,8 @@ await check("fingers choose a pose, turn the view and zoom it", async () => {
 await check("without JavaScript there are the tables, the plots and all panels", async () => {
   const one = await open(browser, address, { javaScriptEnabled: false });
   await shoot(one, "without-javascript");
-  await assertAllVisible(one, ["table.sortable", ".plot svg", "[data-pose-panel]"]);
-  for (const part of ["#view3d", ".choose"]) assert.equal(await one.locator(`${part}:visible`).count(), 0, part);
+  await assertAllVisible(one, ["table.sortable", ".timeline .wide svg", ".plot svg", "[data-pose-panel]"]);
+  for (const part of ["#view3d", ".choose", ".track"]) assert.equal(await one.locator(`${part}:visible`).count(), 0, part);
   assert.deepEqual(one.complaints, []);
   await close(one);
 });

@@ -2,6 +2,7 @@
 
 mod curve;
 mod silhouettes;
+mod timeline;
 
 use std::iter::zip;
 
@@ -19,6 +20,7 @@ use crate::plan::survey::Survey;
 use crate::problem::{Method, Problem};
 use crate::spatial::Pose;
 use silhouettes::silhouettes;
+use timeline::timeline;
 
 /// Views that are listed at most.
 const MOST_VIEWS: usize = 20_000;
@@ -38,7 +40,7 @@ pub fn review(plan: &Plan, chooser: &Chooser, selected: &[usize]) -> Result<Revi
     let known = covariance(&chosen);
     let map = |known: &DMatrix<f64>| ErrorGrid::new(&problem.unknowns(), known);
     let scene = Scene::new(problem);
-    let collision = (!scene.solids.is_empty()).then(|| Collision::new(&problem.robot, problem.clearance));
+    let collision = Collision::new(&problem.robot, problem.clearance);
     Ok(Review {
         header: Review::header(),
         problem: ProblemReference::new(problem),
@@ -49,10 +51,11 @@ pub fn review(plan: &Plan, chooser: &Chooser, selected: &[usize]) -> Result<Revi
                 let view = &survey.views[i];
                 let X_BL = problem.robot.link_poses(&view.q);
                 let bodies = silhouettes(&scene, &problem.camera, view, &X_BL);
-                let nearest = collision.as_ref().and_then(|collision| nearest(&scene, collision, &X_BL));
+                let nearest = nearest(&scene, &collision, &X_BL);
                 Some(reviewed_pose(pose, number, problem, view, bodies, nearest, &scene.board.pattern_m))
             })
             .collect(),
+        timeline: timeline(plan, problem, &collision),
         others: vec![OtherChoice {
             method: Method::KMeansJoints.name().into(),
             ids: other.selected.iter().map(|&i| survey.views[i].id).collect(),

@@ -5,12 +5,14 @@ mod accuracy;
 mod picture;
 mod scene;
 mod space;
+mod timeline;
 
 pub use accuracy::{BoundPoint, OtherChoice};
 pub(crate) use picture::image_share;
 pub use picture::{Picture, Silhouette};
 pub use scene::{Scene, SceneBoard, SceneCamera, SceneJoint, SceneLink, SceneMotion, SceneShape, SceneSolid};
 pub(crate) use space::Space;
+pub use timeline::{MarginCurve, PictureTime, TimedLeg, TimedMove, Timeline};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -34,6 +36,9 @@ pub struct Review {
     pub views: SurveyedViews,
     /// The plan's poses, in the order in which to take them.
     pub poses: Vec<ReviewedPose>,
+    /// The tour in time; left out of plans of older versions, which have none.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub timeline: Option<Timeline>,
     /// As many poses chosen otherwise.
     pub others: Vec<OtherChoice>,
     /// What fewer and more poses give.

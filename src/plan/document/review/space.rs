@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Review, ReviewedPose, Scene};
+use super::{Review, ReviewedPose, Scene, Timeline};
 use crate::plan::document::plan::Pose;
 
 /// What is in space of a review, by the names that it has there.
@@ -12,6 +12,7 @@ pub(crate) struct Space<'a> {
     scene: &'a Scene,
     views: Views<'a>,
     poses: Vec<Place<'a>>,
+    timeline: Option<&'a Timeline>,
 }
 
 #[derive(Debug, Serialize)]
@@ -32,9 +33,9 @@ struct Place<'a> {
 }
 
 impl<'a> Space<'a> {
-    pub(crate) fn new(Review { scene, views, poses, .. }: &'a Review) -> Self {
+    pub(crate) fn new(Review { scene, views, poses, timeline, .. }: &'a Review) -> Self {
         let views = Views { ids: &views.ids, positions_m: &views.positions_m, tilt_deg: &views.tilt_deg };
-        Self { scene, views, poses: poses.iter().map(Place::new).collect() }
+        Self { scene, views, poses: poses.iter().map(Place::new).collect(), timeline: timeline.as_ref() }
     }
 
     /// On one line.

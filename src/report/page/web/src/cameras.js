@@ -35,8 +35,8 @@ export class Cameras {
     this.beam.scale.setScalar(distance);
   }
 
-  /** The chosen pose is shown by the arm's own camera, instead of a small frustum. */
-  setChosen(/** @type {string} */ id) {
+  /** The pose that the arm is at, if it is at one, is shown by its own camera, instead of a small frustum. */
+  setChosen(/** @type {string | null} */ id) {
     this.chosen = id;
     this.show(this.shown);
   }

@@ -2,7 +2,10 @@
  * The chosen pose: one at a time, by its id, for the whole page. Whatever in the page belongs to a pose shows and sets it.
  */
 
-/** @typedef {(id: string, previous: string | null) => void} Listener */
+/**
+ * @typedef {"reader" | "tour"} Chooser who chose: the reader, or the tour that came to the pose
+ * @typedef {(id: string, chooser: Chooser) => void} Listener
+ */
 
 export class Choice {
   /** @param {string[]} ids of the poses, in their order; the first is chosen by `start` */
@@ -10,6 +13,8 @@ export class Choice {
     this.ids = ids;
     /** @type {string | null} */
     this.id = null;
+    /** Whether the arm has left the chosen pose. */
+    this.away = false;
     /** @type {Listener[]} */
     this.listeners = [];
   }
@@ -20,17 +25,17 @@ export class Choice {
   }
 
   /** Chooses a pose; one that the plan does not have is ignored. */
-  choose(/** @type {string} */ id) {
-    if (id === this.id || !this.ids.includes(id)) return;
-    const previous = this.id;
+  choose(/** @type {string} */ id, /** @type {Chooser} */ chooser = "reader") {
+    if ((id === this.id && !this.away) || !this.ids.includes(id)) return;
     this.id = id;
-    for (const listener of this.listeners) listener(id, previous);
+    this.away = false;
+    for (const listener of this.listeners) listener(id, chooser);
   }
 
-  /** Chooses the pose `by` places on, around the end. */
+  /** Chooses the pose `by` places on, around the end; one back from where the arm has left the chosen pose is that pose. */
   step(/** @type {number} */ by) {
     const { length } = this.ids;
-    const index = this.ids.indexOf(this.id ?? "");
+    const index = this.ids.indexOf(this.id ?? "") + (this.away && by < 0 ? 1 : 0);
     this.choose(this.ids[(index + by + length) % length]);
   }
 }
@@ -40,7 +45,7 @@ export class Choice {
  * Gives their owners the attribute that everything else has.
  */
 export function nameMarks() {
-  for (const title of document.querySelectorAll(".plot svg title")) {
+  for (const title of document.querySelectorAll(":is(.plot, .timeline) svg title")) {
     const [, kind, id] = /^(pose|view) (\d+)\b/.exec(title.textContent.trim()) ?? [];
     const owner = title.parentElement;
     if (kind && owner && owner.tagName !== "svg") owner.setAttribute(`data-${kind}`, id);

@@ -1,12 +1,11 @@
 /** The section of the 3-D view: its frame, its buttons, the line that says what is shown. */
 import { element } from "./elements.js";
-
-/** How long each pose stays while they are played, in ms. */
-const PLAY_MS = 1600;
+import { SPEEDS } from "./player.js";
+import { whereabouts } from "./track.js";
 
 const HELP =
   "Drag to turn, right button or two fingers to shift, wheel (after a click) or pinch to zoom; click a camera to choose its pose. " +
-  "Keys in the view: arrows turn, Shift and arrows shift, + and − zoom, N and P next and previous pose, space plays, H whole scene.";
+  "Keys in the view: arrows turn, Shift and arrows shift, + and − zoom, N and P next and previous pose, space plays the tour, H whole scene.";
 
 /** "Pose 3 of 10: configuration 256707, tilt 55.3°, distance 710 mm" */
 export function describe(/** @type {any} */ pose, /** @type {number} */ count) {
@@ -19,13 +18,12 @@ export class Controls {
    * @param {HTMLElement} section
    * @param {any} data the scene document
    * @param {import("./choose.js").Choice} choice
+   * @param {import("./player.js").Player | null} player of the tour, where it is known
    */
-  constructor(section, data, choice) {
+  constructor(section, data, choice, player) {
     this.data = data;
     this.choice = choice;
-    /** Of the playing, or 0; `stepping` while it makes a step. */
-    this.timer = 0;
-    this.stepping = false;
+    this.player = player;
     this.frame = element("div", { className: "frame" });
     this.status = element("p", { className: "status", role: "status", "aria-live": "polite" });
     this.list = element("select", { "aria-label": "Pose" });
@@ -33,8 +31,6 @@ export class Controls {
       this.list.append(element("option", { value: String(pose.id), textContent: `Pose ${pose.label} · ${pose.id}` }));
     }
     this.list.addEventListener("change", () => choice.choose(this.list.value));
-    this.player = button("Play", "Show the poses one after the other", () => this.play(!this.timer));
-    this.player.setAttribute("aria-pressed", "false");
     this.homeButton = button("Whole scene", "Show the whole scene again (H)", () => {});
     this.toggles = element("div", { className: "toggles", role: "group", "aria-label": "Shown" });
     this.bar = element("div", { className: "bar" },
@@ -42,8 +38,8 @@ export class Controls {
         button("‹", "Previous pose (P)", () => choice.step(-1)),
         this.list,
         button("›", "Next pose (N)", () => choice.step(1)),
-        this.player,
       ),
+      ...(player ? [this.#makePlayer(player)] : []),
       this.homeButton,
       this.toggles,
     );
@@ -52,18 +48,24 @@ export class Controls {
     choice.onChange((id) => this.#show(id));
   }
 
-  /** Steps by itself from pose to pose, or no longer; a choice by the reader ends it too. */
-  play(/** @type {boolean} */ on) {
-    const step = () => {
-      this.stepping = true;
-      this.choice.step(1);
-      this.stepping = false;
-    };
-    clearInterval(this.timer);
-    this.timer = on ? window.setInterval(step, PLAY_MS) : 0;
-    if (on) step();
-    this.player.textContent = on ? "Pause" : "Play";
-    this.player.setAttribute("aria-pressed", String(on));
+  /** What plays the tour, and how fast; the status says where the arm is when that is another place. */
+  #makePlayer(/** @type {import("./player.js").Player} */ player) {
+    const play = button("Play", "Play the tour as the arm goes it (space)", () => player.play(!player.playing));
+    play.setAttribute("aria-pressed", "false");
+    player.onPlay((on) => {
+      play.textContent = on ? "Pause" : "Play";
+      play.setAttribute("aria-pressed", String(on));
+    });
+    const speed = element("select", { "aria-label": "Speed of the playing" });
+    for (const each of SPEEDS) speed.append(element("option", { value: String(each), textContent: `×${each}` }));
+    speed.addEventListener("change", () => (player.speed = Number(speed.value)));
+    player.onTime((time) => {
+      const away = player.timeline.pictureAt(time) === null;
+      if (!away) return this.#show(this.choice.id ?? "");
+      const where = `On the way ${whereabouts(this.data, player.timeline, time)}`;
+      if (this.status.textContent !== where) this.status.textContent = where;
+    });
+    return element("div", { className: "stepper", role: "group", "aria-label": "Tour" }, play, speed);
   }
 
   /** A box to tick for a part of the scene, ticked at first. */
@@ -77,7 +79,7 @@ export class Controls {
   key(/** @type {KeyboardEvent} */ event) {
     if (event.key === "n" || event.key === "N") this.choice.step(1);
     else if (event.key === "p" || event.key === "P") this.choice.step(-1);
-    else if (event.key === " ") this.play(!this.timer);
+    else if (event.key === " " && this.player) this.player.play(!this.player.playing);
     else return false;
     return true;
   }
@@ -102,9 +104,10 @@ export class Controls {
 
   #show(/** @type {string} */ id) {
     const pose = this.data.poses[this.choice.ids.indexOf(id)];
-    if (this.timer && !this.stepping) this.play(false);
     this.list.value = id;
-    this.status.textContent = describe(pose, this.data.poses.length);
+    const told = describe(pose, this.data.poses.length);
+    // A reader of the screen is told what is set, be it the same.
+    if (this.status.textContent !== told) this.status.textContent = told;
   }
 }
 

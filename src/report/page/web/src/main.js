@@ -6,38 +6,81 @@ import { Choice, linkElements, nameMarks, onHover } from "./choose.js";
 import { Controls } from "./controls.js";
 import { forwardKinematics } from "./kinematics.js";
 import { Motion } from "./motion.js";
+import { Player } from "./player.js";
 import { offerToPrinter } from "./print.js";
 import { Stage } from "./scene.js";
 import { equipTables } from "./tables.js";
 import { readTheme } from "./theme.js";
+import { Timeline } from "./timeline.js";
+import { Track } from "./track.js";
 import { openCanvas, View } from "./view.js";
 
 document.documentElement.classList.add("js");
 const source = document.getElementById("scene-data");
 const section = document.getElementById("view3d");
-const choice = source && section && startView(JSON.parse(source.textContent), section);
+const shown = source && section && startView(JSON.parse(source.textContent), section);
 // The script of a page with a view stands right after its place, before what is below is read.
 if (document.readyState === "loading") document.addEventListener("DOMContentLoaded", linkPage);
 else linkPage();
 
+/** The picture beside the view is faint while the arm is not where it is taken. */
+function markPicture(/** @type {boolean} */ away) {
+  document.getElementById("picture")?.classList.toggle("away", away);
+}
+
 /** Chooses the first pose and shows it, if the browser can. */
 function startView(/** @type {any} */ data, /** @type {HTMLElement} */ section) {
   const choice = new Choice(data.poses.map((/** @type {any} */ pose) => String(pose.id)));
-  const controls = new Controls(section, data, choice);
+  const player = data.timeline && new Player(new Timeline(data.timeline));
+  const controls = new Controls(section, data, choice, player);
   choice.step(1);
-  show(data, choice, controls);
-  return choice;
+  if (player) linkTour(choice, player);
+  show(data, choice, controls, player);
+  return { data, choice, player };
+}
+
+/** Keeps the chosen pose and the time of the tour with each other: where the arm comes to a pose that is chosen, and the other way round. */
+function linkTour(/** @type {Choice} */ choice, /** @type {Player} */ player) {
+  player.onTime((time, cause) => {
+    if (cause === "chosen") return;
+    const last = player.timeline.lastPictureAt(time);
+    if (last !== null && last !== choice.id) choice.choose(last, "tour");
+    choice.away = player.timeline.pictureAt(time) === null;
+    markPicture(choice.away);
+  });
+  choice.onChange((id, chooser) => {
+    markPicture(false);
+    if (chooser === "tour") return;
+    player.play(false);
+    const arrival = player.timeline.arrivalAt(id);
+    if (arrival !== null) player.seek(arrival, "chosen");
+  });
+  document.addEventListener("click", (event) => {
+    const button = event.target instanceof Element && event.target.closest("button[data-time]");
+    if (!button) return;
+    player.play(false);
+    player.seek(Number(button.getAttribute("data-time")));
+  });
 }
 
 /** Links what the page has with the choice, and tables with their tools. */
 function linkPage() {
   nameMarks();
   equipTables();
-  if (choice) linkElements(choice);
+  if (!shown) return;
+  const { data, choice, player } = shown;
+  linkElements(choice);
+  const place = document.querySelector(".timeline");
+  if (player && place) new Track(/** @type {HTMLElement} */ (place), data, player, choice);
 }
 
 /** Builds the 3-D view and keeps it with the chosen pose. */
-function show(/** @type {any} */ data, /** @type {Choice} */ choice, /** @type {Controls} */ controls) {
+function show(
+  /** @type {any} */ data,
+  /** @type {Choice} */ choice,
+  /** @type {Controls} */ controls,
+  /** @type {Player | null} */ player,
+) {
   const { canvas, context } = openCanvas(controls.frame);
   if (!context) {
     controls.refuse("The 3-D view needs WebGL 2, which this browser does not offer. Everything else of the report is here.");
@@ -47,11 +90,10 @@ function show(/** @type {any} */ data, /** @type {Choice} */ choice, /** @type {
   stage.tint(readTheme());
   const view = new View(controls.frame, canvas, context, stage);
   const poseOf = (/** @type {string} */ id) => data.poses[choice.ids.indexOf(id)];
-  const motion = new Motion(({ q, distance }) => {
-    stage.showConfiguration(q, distance);
+  const motion = new Motion((q) => {
+    stage.showConfiguration(q);
     view.requestRender();
   });
-  const stateOf = (/** @type {any} */ pose) => ({ q: pose.joints, distance: pose.distance_m });
 
   labelPoses(data, stage, view);
   const setNear = (/** @type {string | null} */ id) => {
@@ -64,10 +106,15 @@ function show(/** @type {any} */ data, /** @type {Choice} */ choice, /** @type {
     for (const label of view.labels) label.node.classList.toggle("chosen", label.id === id);
   };
   setChosen(choice.id ?? "");
-  if (choice.id !== null) motion.set(stateOf(poseOf(choice.id)));
-  choice.onChange((id) => {
+  if (choice.id !== null) motion.set(poseOf(choice.id).joints);
+  choice.onChange((id, chooser) => {
     setChosen(id);
-    motion.moveTo(stateOf(poseOf(id)));
+    if (chooser === "reader") motion.moveTo(poseOf(id).joints);
+  });
+  player?.onTime((time, cause) => {
+    if (cause === "chosen") return;
+    stage.cameras.setChosen(player.timeline.pictureAt(time));
+    motion.set(player.timeline.configurationAt(time));
   });
 
   onHover("pose", setNear);
@@ -105,7 +152,7 @@ function show(/** @type {any} */ data, /** @type {Choice} */ choice, /** @type {
   view.render();
   view.finish();
   performance.mark("calipose-first-frame");
-  offerHook(data, choice, stage, view, motion);
+  offerHook(data, choice, player, stage, view, motion);
 }
 
 /** Numbers beside the cameras, letters at the base frame's axes. */
@@ -117,13 +164,19 @@ function labelPoses(/** @type {any} */ data, /** @type {Stage} */ stage, /** @ty
 }
 
 /** What the check of the page looks at: `window.caliposeReport`. */
-function offerHook(data, choice, stage, view, motion) {
+function offerHook(data, choice, player, stage, view, motion) {
   Object.assign(window, {
     caliposeReport: {
       poses: data.poses,
+      timeline: data.timeline,
       chosen: () => choice.id,
+      /** Time of the tour that is shown now, in s. */
+      time: () => player?.time ?? null,
+      playing: () => player?.playing ?? false,
+      /** Joint values in rad or m at a time of the tour. */
+      configurationAt: (/** @type {number} */ time) => player.timeline.configurationAt(time),
       /** Joint values in rad or m that are shown now. */
-      configuration: () => motion.state?.q ?? null,
+      configuration: () => motion.q,
       moving: () => motion.moving,
       /** The camera's pose in the base frame at joint values, by the page's own kinematics. */
       cameraAt: (/** @type {number[]} */ q) => forwardKinematics(data, q).camera,

@@ -1,7 +1,5 @@
 /**
- * Motion between configurations: joint values are interpolated, as an arm moves its joints.
- *
- * @typedef {{q: number[], distance: number}} State joint values in rad or m, and the camera's distance from the board in m
+ * Motion between configurations, of joint values in rad or m: they are interpolated, as an arm moves its joints.
  */
 
 const DURATION_MS = 600;
@@ -9,25 +7,25 @@ const DURATION_MS = 600;
 const stillness = window.matchMedia("(prefers-reduced-motion: reduce)");
 
 export class Motion {
-  /** @param {(state: State) => void} show */
+  /** @param {(q: number[]) => void} show */
   constructor(show) {
     this.show = show;
-    /** @type {State | null} */
-    this.state = null;
+    /** @type {number[] | null} what is shown now */
+    this.q = null;
     this.frame = 0;
   }
 
-  /** Shows a state at once. */
-  set(/** @type {State} */ state) {
+  /** Shows a configuration at once. */
+  set(/** @type {number[]} */ q) {
     cancelAnimationFrame(this.frame);
     this.frame = 0;
-    this.state = state;
-    this.show(state);
+    this.q = q;
+    this.show(q);
   }
 
-  /** Moves to a state, from wherever the arm is; at once where the reader prefers reduced motion. */
-  moveTo(/** @type {State} */ goal) {
-    const from = this.state;
+  /** Moves to a configuration, from wherever the arm is; at once where the reader prefers reduced motion. */
+  moveTo(/** @type {number[]} */ goal) {
+    const from = this.q;
     if (!from || stillness.matches) return this.set(goal);
     cancelAnimationFrame(this.frame);
     const start = performance.now();
@@ -35,9 +33,8 @@ export class Motion {
       const part = Math.min(Math.max((now - start) / DURATION_MS, 0), 1);
       if (part === 1) return this.set(goal);
       const eased = part * part * (3 - 2 * part);
-      const between = (/** @type {number} */ a, /** @type {number} */ b) => a + eased * (b - a);
-      this.state = { q: from.q.map((value, i) => between(value, goal.q[i])), distance: between(from.distance, goal.distance) };
-      this.show(this.state);
+      this.q = from.map((value, i) => value + eased * (goal[i] - value));
+      this.show(this.q);
       this.frame = requestAnimationFrame(advance);
     };
     this.frame = requestAnimationFrame(advance);

@@ -22,7 +22,7 @@ export class Stage {
     this.cameras = new Cameras(data, this.materials, scale);
     this.views = new SweptViews(data.views, this.materials);
     this.axes = makeAxes(0.25 * scale, this.materials);
-    this.showConfiguration(data.poses[0].joints, data.poses[0].distance_m);
+    this.showConfiguration(data.poses[0].joints);
     /** Points that a view of everything has inside. */
     this.extent = this.#extent();
     this.ground = makeGround(this.arm.links[0].position, this.up, this.extent, this.materials);
@@ -32,16 +32,12 @@ export class Stage {
     this.materials.sun.value.copy(this.up).multiplyScalar(2).add(new Vector3(0.7, -1.1, 0.4)).normalize();
   }
 
-  /**
-   * Moves the arm and its camera.
-   *
-   * @param {number[]} q joint values in rad or m
-   * @param {number} distance m from the camera to the board, as far as its frustum is drawn
-   */
-  showConfiguration(q, distance) {
+  /** Moves the arm and its camera, whose frustum reaches as far as the board; joint values in rad or m. */
+  showConfiguration(/** @type {number[]} */ q) {
     const poses = forwardKinematics(this.data, q);
     this.arm.moveTo(poses);
-    this.cameras.moveTo(poses.camera, distance);
+    const toBoard = this.data.board.pose.position_m.map((value, i) => value - poses.camera.position_m[i]);
+    this.cameras.moveTo(poses.camera, Math.hypot(...toBoard));
   }
 
   /** Gives everything the page's colours. */
@@ -51,13 +47,14 @@ export class Stage {
   }
 
   #extent() {
-    const { board, views, poses, links } = this.data;
+    const { board, views, poses, links, timeline } = this.data;
     const [x, y] = board.size_m.map((/** @type {number} */ side) => (side + board.spacing_m) / 2);
     const points = [[-x, -y, 0], [x, -y, 0], [x, y, 0], [-x, y, 0]].map((corner) => transform(board.pose, corner));
     // Evenly spaced ones are enough to tell how far the views reach.
     const stride = 3 * Math.ceil(views.ids.length / EXTENT_VIEWS);
     for (let i = 0; i < views.positions_m.length; i += stride) points.push(views.positions_m.slice(i, i + 3));
-    for (const { joints } of poses) {
+    const turns = (timeline?.moves ?? []).flatMap(({ legs }) => legs.map(({ to }) => to));
+    for (const joints of [...poses.map(({ joints }) => joints), ...turns]) {
       const at = forwardKinematics(this.data, joints);
       const origins = at.links.filter((_, i) => !links[i].obstacle).map((link) => link.position_m);
       points.push(at.camera.position_m, ...origins, ...this.arm.extent(at.links));

@@ -1,4 +1,7 @@
-//! Plots as SVG, by kuva.
+//! Plots as SVG and PNG, by kuva.
+
+mod strips;
+mod style;
 
 use std::sync::Arc;
 
@@ -9,97 +12,12 @@ use kuva::plot::{ColorMap, ForestPlot, Heatmap, LinePlot, QuiverPlot, SankeyPlot
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 use kuva::render::render::{Primitive, Scene, render_multiple};
-use kuva::render::theme::Theme;
 use thiserror::Error;
 
 use super::figure::{Content, Figure, Hue, Interval, Line, Mark, Series};
-
-/// Px of SVG to an inch.
-const PX_PER_INCH: f64 = 96.0;
-
-/// Size and colours of a drawing.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Style {
-    /// Width, px.
-    pub width: f64,
-    /// Height, px.
-    pub height: f64,
-    /// Size of the text, px.
-    pub text: u32,
-    colours: Colours,
-}
-
-/// The colours of roles, as SVG has them.
-#[derive(Debug, Clone, PartialEq, Eq)]
-struct Colours {
-    ink: &'static str,
-    grid: &'static str,
-    paper: &'static str,
-    plan: &'static str,
-    other: &'static str,
-    views: &'static str,
-    bound: &'static str,
-}
-
-impl Style {
-    /// For paper: `width` by `height` mm with text of `text` pt.
-    pub fn paper(width: f64, height: f64, text: f64) -> Self {
-        let px = |mm: f64| mm / 25.4 * PX_PER_INCH;
-        Self::print(px(width), px(height), (text / 72.0 * PX_PER_INCH).round().max(1.0) as u32)
-    }
-
-    /// In px, on white, in colours that the colour-blind tell apart (Okabe and Ito).
-    fn print(width: f64, height: f64, text: u32) -> Self {
-        let colours = Colours {
-            ink: "#1a1a1a",
-            grid: "#d9d9d9",
-            paper: "#ffffff",
-            plan: "#0072b2",
-            other: "#d55e00",
-            views: "#9a9a9a",
-            bound: "#1a1a1a",
-        };
-        Self { width, height, text, colours }
-    }
-
-    /// For a page, which has the colours as properties of its style sheet, light and dark.
-    pub fn page(width: f64, height: f64) -> Self {
-        let colours = Colours {
-            ink: "var(--ink)",
-            grid: "var(--line)",
-            paper: "none",
-            plan: "var(--series-1)",
-            other: "var(--series-2)",
-            views: "var(--muted)",
-            bound: "var(--ink)",
-        };
-        Self { width, height, text: 12, colours }
-    }
-
-    fn hue(&self, hue: Hue) -> &'static str {
-        match hue {
-            Hue::Plan => self.colours.plan,
-            Hue::Other => self.colours.other,
-            Hue::Views => self.colours.views,
-            Hue::Bound => self.colours.bound,
-        }
-    }
-
-    fn theme(&self) -> Theme {
-        let Colours { ink, grid, paper, .. } = self.colours;
-        Theme {
-            background: paper.into(),
-            axis_color: ink.into(),
-            grid_color: grid.into(),
-            tick_color: ink.into(),
-            text_color: ink.into(),
-            legend_bg: paper.into(),
-            legend_border: "none".into(),
-            colorbar_border: grid.into(),
-            ..Theme::light()
-        }
-    }
-}
+pub(super) use strips::Frame;
+use style::PX_PER_INCH;
+pub use style::Style;
 
 /// `figure` as an SVG document. The marks of a series with titles are groups with a `<title>` each.
 pub fn svg(figure: &Figure, style: &Style) -> String {
@@ -138,6 +56,9 @@ fn scale_dashes(scene: &mut Scene, scale: f64) {
 pub struct DrawingError(String);
 
 fn scene(figure: &Figure, style: &Style) -> Scene {
+    if let Content::Strips { strips, bands, end } = &figure.content {
+        return strips::scene(strips, bands, *end, style);
+    }
     let plots = plots(&figure.content, style);
     let layout = Layout::auto_from_plots(&plots)
         .with_width(style.width)
@@ -183,6 +104,8 @@ fn plots(content: &Content, style: &Style) -> Vec<Plot> {
             let plot = QuiverPlot::new().with_arrows(drawn).with_scale(*scale).with_color(style.hue(Hue::Plan));
             vec![Plot::Quiver(plot.with_head_max_px(4.0).with_shaft_width(1.0))]
         }
+        // Drawn without kuva's axes.
+        Content::Strips { .. } => vec![],
         Content::Flow(links) => {
             let flow = links.iter().fold(SankeyPlot::new(), |flow, (from, to, count)| flow.with_link(from, to, *count));
             vec![Plot::Sankey(flow)]
@@ -241,7 +164,11 @@ fn from_top() -> TickFormat {
 /// The axes that the content asks for.
 fn fitted(content: &Content, layout: Layout) -> Layout {
     match content {
-        Content::Series(_) | Content::Flow(_) | Content::Field { .. } | Content::Intervals { .. } => layout,
+        Content::Series(_)
+        | Content::Strips { .. }
+        | Content::Flow(_)
+        | Content::Field { .. }
+        | Content::Intervals { .. } => layout,
         Content::LogSeries(_) => layout.with_log_y(),
         Content::Drawing(_) => layout.with_equal_aspect(),
         Content::Rows { names, .. } => layout
