@@ -32,7 +32,7 @@ const ORDER: [&str; 22] = [
 ];
 
 /// The files and rooms in a room; each may use those before it, and all may use the room's own `mod.rs`.
-const ROOMS: [(&str, &[&str]); 44] = [
+const ROOMS: [(&str, &[&str]); 47] = [
     (
         "selection",
         &[
@@ -110,7 +110,28 @@ const ROOMS: [(&str, &[&str]); 44] = [
     ),
     ("motion", &["timing", "tour", "way", "safety", "journey"]),
     ("motion::way", &["margins", "straight", "tree", "scout", "connect", "shorten", "search"]),
-    ("export", &["error", "program", "example", "text", "csv", "ros", "languages", "format"]),
+    (
+        "export",
+        &[
+            "error",
+            "program",
+            "example",
+            "text",
+            "csv",
+            "ros",
+            "languages",
+            "format",
+            "model",
+            "recording",
+            "export_format",
+        ],
+    ),
+    (
+        "export::model",
+        &["setup", "assembly", "example", "element", "placement", "assets", "note", "urdf", "mjcf", "sdf", "format"],
+    ),
+    ("export::model::assets", &["mesh", "hull", "plate"]),
+    ("export::recording", &["cdr", "message", "moment", "topic"]),
     ("export::text", &["number", "comment", "name"]),
     ("export::ros", &["yaml", "goals", "joint_trajectory", "moveit_calibration", "robot_calibration"]),
     ("export::languages", &["axes", "urscript", "rapid", "krl", "fanuc_ls"]),
