@@ -88,7 +88,7 @@ enum Command {
     Report(report::ReportArguments),
     /// Draw the plots of a plan, each as a file fit for a paper
     Figures(figures::FiguresArguments),
-    /// Write a plan's poses, in their order, as files that robots' programs read
+    /// Write a plan's poses, in their order, as files that robots' programs read, as a recording, or its robot as a model
     Export(export::ExportArguments),
     /// Measure how far corners scatter, from repeated pictures of still scenes
     Noise(noise::NoiseArguments),

@@ -97,7 +97,7 @@ fn servosila_with(more: &[Row]) -> Stated {
     Stated {
         robot,
         camera: camera.unwrap(),
-        target: Target { board: Board::checkerboard(8, 6, 0.035), X_BT, zone, warp: None },
+        target: Target { board: Board::checkerboard(8, 6, 0.035), X_BT, zone, warp: None, thickness: 5e-3 },
         visibility: VisibilityLimits {
             margin: 5.0,
             max_incidence: 80f64.to_radians(),

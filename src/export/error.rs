@@ -53,6 +53,31 @@ pub enum ExportError {
         /// What to do.
         instead: &'static str,
     },
+    /// The tour is of another robot than the one beside it.
+    #[error("the tour's joints are not those of the robot")]
+    OtherRobot,
+    /// A joint only drives links at another rate than its own.
+    #[error("no link moves by the value of joint \"{joint}\" itself; models need one")]
+    NoLeader {
+        /// Name of the joint.
+        joint: String,
+    },
+    /// The format keeps a name for itself.
+    #[error("the format \"{format}\" cannot have the name \"{name}\": names must be {allowed}")]
+    ReservedName {
+        /// Name of the format.
+        format: &'static str,
+        /// The name.
+        name: String,
+        /// What names must be.
+        allowed: &'static str,
+    },
+    /// The recording cannot be written.
+    #[error("the recording cannot be written: {message}")]
+    Recording {
+        /// Why not.
+        message: String,
+    },
     /// The format cannot wait so long.
     #[error("the format \"{format}\" can wait {most} s at most, not the dwell of {dwell} s")]
     Dwell {

@@ -1,7 +1,8 @@
-//! A tour of stops as a file that a robot's program reads: text in, text out, nothing written to disk.
+//! A tour of stops as files that other programs read: bytes out, nothing written to disk.
 //!
-//! A format stands in a file of its own and is registered in [`ProgramFormat`]: those of ROS in `ros`, those of robots'
-//! controllers in `languages`, a table in `csv`.
+//! Robots' programs need the tour alone. A format of theirs stands in a file of its own and is registered in [`ProgramFormat`]: those of ROS
+//! in `ros`, those of robots' controllers in `languages`, a table in `csv`. Simulators and viewers need the robot, its camera and its board
+//! besides, a [`Setup`]: `model` has the formats of models, `recording` plays the tour. [`ExportFormat`] is the door to all.
 //!
 //! ```
 //! use calipose::export::{Program, ProgramFormat, ProgramJoint, Stop};
@@ -23,9 +24,12 @@
 
 mod csv;
 mod error;
+mod export_format;
 mod format;
 mod languages;
+mod model;
 mod program;
+mod recording;
 mod ros;
 mod text;
 
@@ -33,10 +37,21 @@ mod text;
 mod example;
 
 pub use error::ExportError;
+pub use export_format::ExportFormat;
 pub use format::ProgramFormat;
+pub use model::{ModelFormat, Setup};
 pub use program::{Home, Program, ProgramJoint, Stop};
 
-/// What a format has to say of itself.
+/// A file of an export.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ExportFile {
+    /// Its name; files that name each other lie in one folder.
+    pub name: String,
+    /// What it holds.
+    pub bytes: Vec<u8>,
+}
+
+/// What a format of programs has to say of itself.
 struct Export {
     /// Name on the command line.
     name: &'static str,

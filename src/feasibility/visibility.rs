@@ -174,7 +174,7 @@ mod tests {
         let camera = Camera::new(Lens::Pinhole, 640, 480, &[500.0, 500.0, 319.5, 239.5]).unwrap();
         let zone = Zone { width: 1.0, height: 1.0, edge_margin: 0.0 };
         let (corners, markers): (Vec<_>, _) = (board.corners().collect(), board.markers());
-        let target = Target { board, X_BT: Pose::identity(), zone, warp: None };
+        let target = Target { board, X_BT: Pose::identity(), zone, warp: None, thickness: 5e-3 };
         visible_corners(&camera, &target, limits, &corners, &markers, X_CT)
     }
 

@@ -23,6 +23,7 @@ mod artwork;
 mod error;
 mod layout;
 mod paper;
+mod pattern;
 mod pdf;
 mod svg;
 
@@ -30,6 +31,7 @@ pub use artwork::{Anchor, Artwork, Rectangle, Shape, Text};
 pub use error::PrintError;
 pub use layout::{Page, Print, PrintSettings, Tile, Tiling};
 pub use paper::{Paper, PaperError};
+pub use pattern::Pattern;
 
 /// What every file of this room has in it, by which it is known.
 pub const MARK: &str = "Made by calipose board";

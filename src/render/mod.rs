@@ -5,10 +5,8 @@
 //! the board is evenly lit and matt, and bodies are shaded by their direction alone.
 
 mod bodies;
-mod pattern;
 
 pub use bodies::{Bodies, PlacedBody};
-pub use pattern::Pattern;
 
 use nalgebra::{Vector2, Vector3};
 use rand::{Rng, SeedableRng};
@@ -19,6 +17,7 @@ use rayon::prelude::*;
 use self::bodies::Hit;
 use crate::camera::Camera;
 use crate::feasibility::FLUSH;
+use crate::print::Pattern;
 use crate::spatial::Pose;
 
 /// Grey values of the printed black, the paper, and what is behind.

@@ -44,6 +44,8 @@ pub struct Target {
     pub zone: Zone,
     /// How it may bulge; flat without.
     pub warp: Option<Warp>,
+    /// Thickness in metres of the plate under the printed side.
+    pub thickness: f64,
 }
 
 /// Which corners of a board, of those seen for instance.

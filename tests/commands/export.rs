@@ -1,4 +1,4 @@
-//! `calipose export` writes a plan's poses in the order of its tour as files of robots' programs.
+//! `calipose export` writes a plan's poses in the order of its tour as files of robots' programs, and its robot as models.
 
 use serde_json::Value;
 
@@ -93,4 +93,70 @@ fn what_cannot_be_exported_is_refused() {
     desk.json("export old.json --problem coarse.toml --to csv -o old --json");
     let labels = column(&rows(&desk, "old/Servosila_Engineer.csv"), "label");
     assert!(labels.is_sorted() && labels.len() == 9, "{labels:?}");
+}
+
+#[test]
+fn models_and_a_recording_lie_together_with_what_they_name() {
+    let desk = Desk::new();
+    desk.json("plan coarse.toml -k 9 --trials 0 -o out --json");
+    let written = desk.json("export out/plan.json --to urdf,mjcf,sdf,mcap --dwell-s 0.5 --json");
+    let files = written["files"].as_array().unwrap();
+    let of = |format: &str| -> Vec<&str> {
+        let own = files.iter().filter(|file| file["format"] == format);
+        own.map(|file| file["file"].as_str().unwrap()).collect()
+    };
+    let board = ["obj", "mtl", "png"].map(|ending| format!("Servosila_Engineer.board.{ending}"));
+    for (format, ending) in [("urdf", "urdf"), ("mjcf", "mjcf.xml"), ("sdf", "sdf")] {
+        let model = format!("Servosila_Engineer.{ending}");
+        assert_eq!(of(format)[0], model);
+        assert_eq!(of(format)[1..], board);
+        let text = std::fs::read_to_string(desk.path("out/export").join(model)).unwrap();
+        let read = roxmltree::Document::parse(&text).unwrap();
+        // The joints have the names of the robot's, and the links of the same names others.
+        let named = |name: &str| read.descendants().filter(|node| node.attribute("name") == Some(name)).count();
+        assert_eq!((named("waist"), named("waist_link"), named("camera_optical_frame")), (1, 1, 1), "{format}");
+        assert!(text.contains(&board[0]), "{format}");
+    }
+    assert_eq!(of("mcap"), ["Servosila_Engineer.mcap"]);
+    let bytes = |folder: &str| std::fs::read(desk.path(folder).join("Servosila_Engineer.mcap")).unwrap();
+    assert!(bytes("out/export").starts_with(b"\x89MCAP0\r\n") && bytes("out/export").ends_with(b"\x89MCAP0\r\n"));
+    desk.json("export out/plan.json --to mcap --dwell-s 0.5 -o again --json");
+    assert_eq!(bytes("out/export"), bytes("again"));
+    let longer = desk.prose("export out/plan.json --to mcap --dwell-s 5 -o longer");
+    assert!(bytes("longer").len() > bytes("again").len());
+    assert!(longer.contains("Try them in simulation first"), "{longer}");
+    let said = desk.prose("export out/plan.json --to sdf,urdf -o models");
+    let names = "Servosila_Engineer.board.mtl, Servosila_Engineer.board.obj, Servosila_Engineer.board.png, Servosila_Engineer.sdf, \
+                 Servosila_Engineer.urdf";
+    assert_eq!(said, format!("Written to models: {names}."));
+}
+
+#[test]
+fn models_have_no_times() {
+    let desk = Desk::new();
+    desk.json("plan coarse.toml -k 9 --trials 0 -o out --json");
+    let complaint = desk.complaint("export out/plan.json --to urdf,sdf --dwell-s 1", 2);
+    assert!(
+        complaint.contains("--dwell-s does not apply to urdf, sdf, without times and speeds; leave it out"),
+        "{complaint}"
+    );
+    let complaint = desk.complaint("export out/plan.json --to mjcf --speed-percent 10", 2);
+    assert!(complaint.contains("--speed-percent does not apply to mjcf, without times and speeds"), "{complaint}");
+    assert!(!desk.path("out/export").exists());
+    // Beside a file with the tour they are for that.
+    desk.json("export out/plan.json --to mjcf,csv --speed-percent 10 --dwell-s 1 --json");
+    let complaint = desk.complaint("export out/plan.json --to mjcf,mcap --dwell-s -1", 2);
+    assert!(complaint.contains("--dwell-s is -1; it must be from 0 to 3600"), "{complaint}");
+}
+
+#[test]
+fn names_that_a_format_keeps_for_itself_are_refused() {
+    let desk = Desk::new();
+    desk.change("colons.toml", &[("name = \"waist\"", "name = \"waist::yaw\"")]);
+    desk.json("plan colons.toml -k 9 --trials 0 -o out --json");
+    let complaint = desk.complaint("export out/plan.json --to urdf,sdf", 2);
+    let expected = "the format \"sdf\" cannot have the name \"waist::yaw\": names must be without \"::\"";
+    assert!(complaint.contains(expected), "{complaint}");
+    assert!(!desk.path("out/export/Servosila_Engineer.urdf").exists());
+    desk.json("export out/plan.json --to urdf,mjcf,mcap --json");
 }

@@ -32,7 +32,7 @@ const ORDER: [&str; 22] = [
 ];
 
 /// The files and rooms in a room; each may use those before it, and all may use the room's own `mod.rs`.
-const ROOMS: [(&str, &[&str]); 45] = [
+const ROOMS: [(&str, &[&str]); 49] = [
     (
         "selection",
         &[
@@ -71,8 +71,8 @@ const ROOMS: [(&str, &[&str]); 45] = [
         ],
     ),
     ("robot", &["joint", "tree", "chain", "dh", "mechanism", "turn", "inverse"]),
-    ("render", &["bodies", "pattern"]),
-    ("print", &["paper", "error", "artwork", "layout", "svg", "pdf"]),
+    ("render", &["bodies"]),
+    ("print", &["paper", "error", "artwork", "pattern", "layout", "svg", "pdf"]),
     ("print::artwork", &["text", "checkerboard", "modules", "charuco", "aprilgrid", "circles"]),
     ("print::layout", &["strip", "sheet", "tiles"]),
     ("sweep", &["candidates", "axes", "joints"]),
@@ -110,7 +110,28 @@ const ROOMS: [(&str, &[&str]); 45] = [
     ),
     ("motion", &["timing", "tour", "way", "safety", "journey", "course"]),
     ("motion::way", &["margins", "straight", "tree", "scout", "connect", "shorten", "search"]),
-    ("export", &["error", "program", "example", "text", "csv", "ros", "languages", "format"]),
+    (
+        "export",
+        &[
+            "error",
+            "program",
+            "example",
+            "text",
+            "csv",
+            "ros",
+            "languages",
+            "format",
+            "model",
+            "recording",
+            "export_format",
+        ],
+    ),
+    (
+        "export::model",
+        &["setup", "assembly", "example", "element", "placement", "assets", "note", "urdf", "mjcf", "sdf", "format"],
+    ),
+    ("export::model::assets", &["mesh", "hull", "plate"]),
+    ("export::recording", &["cdr", "message", "moment", "topic"]),
     ("export::text", &["number", "comment", "name"]),
     ("export::ros", &["yaml", "goals", "joint_trajectory", "moveit_calibration", "robot_calibration"]),
     ("export::languages", &["axes", "urscript", "rapid", "krl", "fanuc_ls"]),

@@ -9,12 +9,13 @@ use crate::cli::interrupt::writing;
 use crate::cli::loaded_plan::LoadedPlan;
 use crate::cli::output::failure::Failure;
 use crate::cli::output::{Screen, wrapped};
-use crate::export::{Home, Program, ProgramFormat, ProgramJoint, Stop};
+use crate::export::{ExportFile, ExportFormat, Home, Program, ProgramJoint, Setup, Stop};
+use crate::feasibility::{Collision, LinkPair};
 use crate::motion::JointLimits;
 use crate::motion::timing::duration;
 use crate::plan::document::{Document, ExportDocument, ExportedFile, Plan, ProblemReference};
 use crate::plan::results::{probe, write_together};
-use crate::problem::MotionSettings;
+use crate::problem::{MotionSettings, Problem};
 
 #[derive(Debug, Args)]
 pub(crate) struct ExportArguments {
@@ -22,8 +23,8 @@ pub(crate) struct ExportArguments {
     plan: PathBuf,
     /// Format to write, or several
     #[arg(long = "to", value_name = "FORMAT", value_delimiter = ',', required = true,
-          value_parser = by_name(&ProgramFormat::ALL, ProgramFormat::name))]
-    to: Vec<ProgramFormat>,
+          value_parser = by_name(&ExportFormat::ALL, ExportFormat::name))]
+    to: Vec<ExportFormat>,
     /// Problem file [default: the one that run.json beside the plan names]
     #[arg(long)]
     problem: Option<PathBuf>,
@@ -57,40 +58,73 @@ pub(crate) fn run(arguments: &ExportArguments, screen: &mut Screen) -> Result<()
     let (stops, home) = stops(&plan, &motion);
     let program =
         Program { name: &problem.name, joints: &joints, stops: &stops, home, dwell: motion.dwell, share: motion.share };
-    let mut files = Vec::with_capacity(arguments.to.len());
-    for format in &arguments.to {
-        files.push((format.file_name(&program), format.write(&program)?));
+    let untested = untested(&problem);
+    let Problem { robot, camera, target, .. } = &problem;
+    let setup = Setup { program: &program, robot, camera, target, untested: &untested };
+    let mut files: Vec<(ExportFormat, ExportFile)> = Vec::new();
+    for &format in &arguments.to {
+        files.extend(format.write(&setup)?.into_iter().map(|file| (format, file)));
     }
-    let named: Vec<(&Path, &[u8])> = files.iter().map(|(name, text)| (Path::new(name), text.as_bytes())).collect();
+    // Models share what they name.
+    let mut named: Vec<(&Path, &[u8])> = files.iter().map(|(_, file)| (Path::new(&file.name), &*file.bytes)).collect();
+    named.sort_by_key(|&(name, _)| name);
+    named.dedup_by_key(|(name, _)| *name);
     writing(|| write_together(&folder, &named, &[]))?;
-    let formats = arguments.to.iter().zip(&files);
+    let listed =
+        files.iter().map(|(format, file)| ExportedFile { format: format.name().into(), file: file.name.clone() });
     screen.document(&ExportDocument {
         header: ExportDocument::header(),
         problem: ProblemReference::new(&problem),
         folder: folder.display().to_string(),
         dwell_s: motion.dwell,
         speed_percent: 100.0 * motion.share,
-        files: formats
-            .map(|(format, (file, _))| ExportedFile { format: format.name().into(), file: file.clone() })
-            .collect(),
+        files: listed.collect(),
     })?;
-    let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
+    let names: Vec<&str> = named.iter().filter_map(|(name, _)| name.to_str()).collect();
+    let mut said = format!("Written to {}: {}.", folder.display(), names.join(", "));
+    if arguments.holds_tour() {
+        said += &caution(&plan, program.home.is_some());
+    }
+    screen.text(&wrapped(&said))
+}
+
+/// What to heed before the robot moves.
+fn caution(plan: &Plan, has_home: bool) -> String {
     let safe = match &plan.tour {
         Some(tour) if tour.blocked().next().is_some() => " NOT ALL MOVES ARE SAFE: see what `calipose plan` said.",
         Some(tour) if tour.moves.iter().all(|found| found.clearance_m.is_some()) => "",
         _ => " The moves from pose to pose were not tested for collision.",
     };
-    let start = if program.home.is_some() { "home" } else { "the first pose" };
-    screen.text(&wrapped(&format!(
-        "Written to {}: {}. Try them in simulation first, then at low speed with a hand on the stop.{safe} The way to {start} is not planned.",
-        folder.display(),
-        names.join(", ")
-    )))
+    let start = if has_home { "home" } else { "the first pose" };
+    format!(
+        " Try them in simulation first, then at low speed with a hand on the stop.{safe} The way to {start} is not planned."
+    )
+}
+
+/// The pairs of links that are not tested for collision.
+fn untested(problem: &Problem) -> Vec<LinkPair> {
+    let collision = Collision::new(&problem.robot, problem.clearance);
+    let pairs = collision.links();
+    [&pairs.adjacent, &pairs.disabled, &pairs.always].into_iter().flatten().copied().collect()
 }
 
 impl ExportArguments {
+    /// Whether any of the files holds the tour.
+    fn holds_tour(&self) -> bool {
+        self.to.iter().any(|format| format.holds_tour())
+    }
+
     /// The problem's settings with what the command line says instead.
     fn motion(&self, stated: &MotionSettings) -> Result<MotionSettings, Failure> {
+        for (name, value) in [("--dwell-s", self.dwell), ("--speed-percent", self.speed)] {
+            if value.is_some() && !self.holds_tour() {
+                let formats: Vec<&str> = self.to.iter().map(|format| format.name()).collect();
+                let formats = formats.join(", ");
+                return Err(Failure::Usage(format!(
+                    "{name} does not apply to {formats}, without times and speeds; leave it out"
+                )));
+            }
+        }
         let within = |name: &str, value: Option<f64>, usual: f64, least: f64, most: f64| match value {
             Some(value) if !(least..=most).contains(&value) => {
                 Err(Failure::Usage(format!("{name} is {value}; it must be from {least} to {most}")))

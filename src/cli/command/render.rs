@@ -10,9 +10,9 @@ use crate::cli::output::Screen;
 use crate::cli::output::failure::Failure;
 use crate::plan::document::{Document, PictureFile, PicturesDocument, PlannedPose, ProblemReference};
 use crate::plan::results::{probe, write_together};
-use crate::print::Artwork;
+use crate::print::{Artwork, Pattern};
 use crate::problem::Problem;
-use crate::render::{Bodies, Pattern, Picture, PlacedBody, RenderSettings, render};
+use crate::render::{Bodies, Picture, PlacedBody, RenderSettings, render};
 
 #[derive(Debug, Args)]
 pub(crate) struct RenderArguments {

@@ -20,7 +20,6 @@ use super::text::{At, Document, key};
 use super::{Problem, schema};
 use crate::camera::{Camera, Lens};
 pub(crate) use check::Check;
-use check::SIZE;
 
 /// The problem that `file` states, or everything found wrong with it. `path` names a problem that has no name, and is where
 /// other files are sought from.
@@ -35,9 +34,8 @@ pub(super) fn resolve(document: &Document, file: &schema::File, path: &Path) -> 
     check.scene(&key!(file, scene), robot.as_mut());
     let camera = check.camera(&key!(file, camera), folder);
     let target = check.target(&key!(file, target), folder);
-    let thickness = check.length(&key!(file, target.thickness_mm), SIZE);
     if let (Some(robot), Some(target)) = (&mut robot, &target) {
-        Check::board(target, thickness, robot.board_link, &mut robot.tree);
+        Check::board(target, robot.board_link, &mut robot.tree);
     }
     let clearance = check.collision(&key!(file, collision), robot.as_mut().map(|robot| &mut robot.tree));
     let stability = key!(file, stability).given();

@@ -68,7 +68,8 @@ impl Check<'_, '_> {
         zone.edge_margin = self.length(&key!(target, zone.edge_margin_mm), margin);
         let warp = key!(target, warp_mm).given().map(|warp| self.length(&warp, WARP));
         let warp = warp.map(|deviation| Warp::new(deviation, &board));
-        (self.faults.len() == faults).then_some(Target { board, X_BT, zone, warp })
+        let thickness = self.length(&key!(target, thickness_mm), SIZE);
+        (self.faults.len() == faults).then_some(Target { board, X_BT, zone, warp, thickness })
     }
 
     /// What is printed.

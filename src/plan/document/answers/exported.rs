@@ -1,4 +1,4 @@
-//! Files for robots' programs.
+//! Files for other programs.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -19,7 +19,7 @@ pub struct ExportDocument {
     pub dwell_s: f64,
     /// Share of the joints' greatest speeds in percent.
     pub speed_percent: f64,
-    /// The files.
+    /// The files; of a model first the model, then those that it names, which several models may share.
     pub files: Vec<ExportedFile>,
 }
 

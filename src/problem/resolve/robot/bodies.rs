@@ -55,13 +55,14 @@ impl Check<'_, '_> {
         }
     }
 
-    /// Attaches the board to link `carrier`, in whose frame it is given, as a plate of `thickness` (m) under its printed side, if
-    /// anything could touch it.
-    pub(in crate::problem::resolve) fn board(target: &Target, thickness: f64, carrier: usize, tree: &mut Tree) {
+    /// Attaches the board to link `carrier`, in whose frame it is given, as a plate under its printed side, if anything could touch
+    /// it.
+    pub(in crate::problem::resolve) fn board(target: &Target, carrier: usize, tree: &mut Tree) {
         if tree.links.iter().all(|link| link.bodies.is_empty()) {
             return;
         }
         let (width, height) = target.board.printed_size();
+        let thickness = target.thickness;
         let shape = Shape::Box { half_extents: Vector3::new(width, height, thickness) / 2.0 };
         tree.attach("board", carrier, target.X_BT, Body { X_LG: Pose::translation(0.0, 0.0, -thickness / 2.0), shape });
     }

@@ -1,6 +1,6 @@
 //! What is printed on a board, looked up point by point.
 
-use crate::print::{Artwork, Shape};
+use super::artwork::{Artwork, Shape};
 
 /// Cells along the longer side of a pattern.
 const CELLS: f64 = 96.0;
