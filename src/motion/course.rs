@@ -125,8 +125,7 @@ impl Samples {
     /// leg. The same on any number of threads.
     pub fn new(watches: &[Watch], legs: &[Leg]) -> Self {
         let most = (MOST_SAMPLES / legs.len().max(1)).max(2);
-        let of_legs: Vec<Vec<(f64, Vec<(usize, f64)>)>> =
-            legs.par_iter().map(|leg| of_leg(watches, leg, most)).collect();
+        let of_legs: Vec<_> = legs.par_iter().map(|leg| of_leg(watches, leg, most)).collect();
         let mut samples = Self { times: vec![], curves: watches.iter().map(|_| Curve { least: vec![] }).collect() };
         for (time, measured) in of_legs.into_iter().flatten() {
             if samples.times.last().is_none_or(|&last| time > last) {

@@ -342,7 +342,11 @@ const WRONG: &[(&str, &str, &str)] = &[
     ("least_of_nothing", "[selection]", "[selection]\nleast = \"time\""),
     ("least_of_something_else", "[selection]", "[selection]\naccuracy = { fx = 1 }\nleast = \"money\""),
     ("tour_of_clusters", "[selection]", "[selection]\nmethod = \"kmeans-joints\"\ntour_tolerance = 0.05"),
-    ("tour_tolerance_beside_a_time", "[selection]\ncount = 10", "[selection]\ntime = { most_s = 60 }\ntour_tolerance = 0.05"),
+    (
+        "tour_tolerance_beside_a_time",
+        "[selection]\ncount = 10",
+        "[selection]\ntime = { most_s = 60 }\ntour_tolerance = 0.05",
+    ),
     ("home_of_one_joint", "[selection]", "[motion]\nhome = [0]\n\n[selection]"),
     ("home_beyond_a_limit", "[selection]", "[motion]\nhome = [0, 700]\n\n[selection]"),
     ("faster_than_the_robot", "[selection]", "[motion]\nspeed_percent = 120\n\n[selection]"),

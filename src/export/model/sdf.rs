@@ -1,6 +1,6 @@
 //! SDF, of Gazebo.
 //!
-//! Source: the SDFormat specification 1.9, and 1.11 where joints follow others. A camera's sensor has x forward, y left and z up.
+//! Source: the `SDFormat` specification 1.9, and 1.11 where joints follow others. A camera's sensor has x forward, y left and z up.
 
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion};
 

@@ -63,7 +63,9 @@ impl Cdr {
 
     /// As many numbers as the message always has.
     pub(super) fn array(&mut self, values: &[f64]) {
-        values.iter().for_each(|&value| self.f64(value));
+        for &value in values {
+            self.f64(value);
+        }
     }
 }
 

@@ -84,7 +84,7 @@ pub fn decide(
                     let (choice, trade) = chooser.shorter(choice, &certificate, floor)?;
                     (choice, certificate, Some(trade))
                 }
-                Least::Time => soonest(chooser, choice, fewest.least)?,
+                Least::Time => soonest(chooser, &choice, fewest.least)?,
             };
             let log_bound = certificate.log_bound;
             let mut led = chooser.led_to(choice.clone(), &certificate)?;
@@ -161,9 +161,13 @@ fn within(chooser: &Chooser, seconds: f64) -> Result<Decision, PlanError> {
 }
 
 /// The fastest choice that reaches the accuracies, as `choice` does, of which `least` poses are needed at least.
-fn soonest(chooser: &Chooser, choice: Choice, least: usize) -> Result<(Choice, Certificate, Option<Trade>), PlanError> {
+fn soonest(
+    chooser: &Chooser,
+    choice: &Choice,
+    least: usize,
+) -> Result<(Choice, Certificate, Option<Trade>), PlanError> {
     let numbers = Numbers::new(chooser)?;
-    let (first, (found, bound)) = (numbers.toured(choice.clone())?, numbers.soonest(&choice, least)?);
+    let (first, (found, bound)) = (numbers.toured(choice.clone())?, numbers.soonest(choice, least)?);
     let certificate = chooser.certificate(found.choice.selected.len())?;
     let best = (found.seconds < first.seconds).then_some(first);
     Ok((found.choice, certificate, Some(Trade { best, least_seconds: Some(bound), most_poses: None })))

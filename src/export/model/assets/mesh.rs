@@ -37,9 +37,12 @@ impl Mesh {
         text += &self.places.iter().map(|p| line("vt", p.coords.as_slice())).collect::<String>();
         text += &material.map_or_else(String::new, |material| format!("usemtl {}\n", material.name));
         for triangle in &self.triangles {
-            let corner = |&[vertex, place]: &[usize; 2]| match self.places.is_empty() {
-                true => format!(" {}", vertex + 1),
-                false => format!(" {}/{}", vertex + 1, place + 1),
+            let corner = |&[vertex, place]: &[usize; 2]| {
+                if self.places.is_empty() {
+                    format!(" {}", vertex + 1)
+                } else {
+                    format!(" {}/{}", vertex + 1, place + 1)
+                }
             };
             text += &format!("f{}\n", triangle.iter().map(corner).collect::<String>());
         }

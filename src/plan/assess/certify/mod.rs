@@ -182,21 +182,10 @@ pub fn certify(plan: &Plan, problem: &Problem, survey: &Survey) -> Result<Confir
     let efficiency = (value.log - evidence.log_of(*stated_bound)).exp();
     number("the efficiency", *stated_efficiency, efficiency, tolerance)?;
 
-    let mut least = None;
-    if let Some(fewest) = fewest {
-        let everywhere = (0..=survey.scenarios.len()).map(|scenario| evidence.accuracies(scenario, &selected));
-        let everywhere = everywhere.collect::<Result<Vec<_>, _>>()?;
-        least = evidence.least(fewest, problem, &everywhere, selected.len(), value)?;
-        if fewest.found.is_some() {
-            unchecked.extend(Unchecked::all(&["fewest.found"], BY_SEARCH));
-        }
-        if fewest.nodes > 0 {
-            unchecked.extend(Unchecked::all(&["fewest.nodes"], EFFORT));
-        }
-        if fewest.refutation.is_some() && least.is_none() {
-            unchecked.extend(Unchecked::all(&["fewest.least"], BY_SEARCH));
-        }
-    }
+    let least = match fewest {
+        Some(fewest) => evidence.enough(fewest, survey, &selected, value, &mut unchecked)?,
+        None => None,
+    };
     // What takes longest comes last.
     evidence.withstands(robust.as_ref(), problem, survey, &selected)?;
     let count = selected.len() - usize::from(fewest.is_some());
@@ -347,6 +336,30 @@ impl Evidence<'_> {
         trusted("the bound", bound.uncertainty)?;
         self.equal("the certificate's bound", certificate.bound, bound.log, SAME + bound.uncertainty)?;
         Ok(bound)
+    }
+
+    /// Checks what is stated of how few poses suffice; the least number that may, where a matrix alone proves it.
+    fn enough(
+        &self,
+        stated: &FewestDocument,
+        survey: &Survey,
+        selected: &[usize],
+        value: Rounded,
+        unchecked: &mut Vec<Unchecked>,
+    ) -> Result<Option<usize>, CertifyError> {
+        let everywhere = (0..=survey.scenarios.len()).map(|scenario| self.accuracies(scenario, selected));
+        let everywhere = everywhere.collect::<Result<Vec<_>, _>>()?;
+        let least = self.least(stated, self.problem, &everywhere, selected.len(), value)?;
+        if stated.found.is_some() {
+            unchecked.extend(Unchecked::all(&["fewest.found"], BY_SEARCH));
+        }
+        if stated.nodes > 0 {
+            unchecked.extend(Unchecked::all(&["fewest.nodes"], EFFORT));
+        }
+        if stated.refutation.is_some() && least.is_none() {
+            unchecked.extend(Unchecked::all(&["fewest.least"], BY_SEARCH));
+        }
+        Ok(least)
     }
 
     /// Checks that the poses reach the accuracies that the problem requests, stated as they are in the worst scenario, and that

@@ -90,7 +90,7 @@ fn found(problem: &Problem, mut shortlist: Survey, count: usize) -> Result<Found
     let mut sets = Vec::new();
     match &problem.selection.goal {
         Goal::Best { .. } | Goal::Within { .. } => {
-            sets.extend(improved(problem, &mut shortlist, swept, count)?.map(|best| best.joints))
+            sets.extend(improved(problem, &mut shortlist, swept, count)?.map(|best| best.joints));
         }
         Goal::Fewest { .. } => {
             let most = enough(&Chooser::new(problem, &shortlist)?, count).unwrap_or(0);

@@ -44,7 +44,7 @@ impl Pull<'_> {
     /// When the poses leave a combination of the parameters undetermined.
     pub(super) fn pulled(&self, start: &[&View], aim: Aim) -> Result<Option<Vec<Vec<f64>>>, PlanError> {
         let poses: Option<Vec<Candidate>> = start.iter().map(|view| self.search.candidate(view)).collect();
-        let mut current = self.ordered(poses.ok_or_else(|| SurveyError::undetermined(self.problem))?);
+        let mut current = self.ordered(&poses.ok_or_else(|| SurveyError::undetermined(self.problem))?);
         let worth = |pulled: &Pulled| aim.worth(pulled.log_value, pulled.moving);
         let first = worth(&current);
         let mut best = current.clone();
@@ -81,7 +81,7 @@ impl Pull<'_> {
     }
 
     /// Poses in their best order.
-    fn ordered(&self, poses: Vec<Candidate>) -> Pulled {
+    fn ordered(&self, poses: &[Candidate]) -> Pulled {
         let joints: Vec<&[f64]> = poses.iter().map(|pose| pose.view.q.as_slice()).collect();
         let (order, moving) = self.times.ordered(&joints, self.problem.selection.seed);
         let mut total = self.instance.prior();
@@ -124,6 +124,6 @@ impl Pull<'_> {
                 pulled.poses[place] = end;
             }
         }
-        self.ordered(pulled.poses)
+        self.ordered(&pulled.poses)
     }
 }

@@ -44,6 +44,14 @@ impl Aim {
             Self::MostInformation { most } => (moving <= most).then_some(log_value),
         }
     }
+
+    /// What all the moves of a set of this log Φ count at first.
+    fn first_price(self, log_value: f64) -> f64 {
+        match self {
+            Self::LeastTime { floor } => (0.1 * (log_value - floor)).max(1e-4),
+            Self::MostInformation { .. } => 1e-2,
+        }
+    }
 }
 
 /// A set of poses and its tour.
@@ -126,7 +134,7 @@ impl<'a> Market<'a> {
         if first.moving == 0.0 || first.log_value == f64::NEG_INFINITY {
             return best;
         }
-        let mut per_second = self.first_price(&first, aim) / first.moving;
+        let mut per_second = aim.first_price(first.log_value) / first.moving;
         let mut current = self.current(first);
         let mut beyond = 0;
         for _ in 0..DESCENTS {
@@ -174,14 +182,6 @@ impl<'a> Market<'a> {
             }
         }
         Some(order)
-    }
-
-    /// What all the moves of a set count at first, in log Φ.
-    fn first_price(&self, start: &Route, aim: Aim) -> f64 {
-        match aim {
-            Aim::LeastTime { floor } => (0.1 * (start.log_value - floor)).max(1e-4),
-            Aim::MostInformation { .. } => 1e-2,
-        }
     }
 
     fn q(&self, i: usize) -> &'a [f64] {

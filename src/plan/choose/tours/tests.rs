@@ -23,6 +23,9 @@ struct Small {
 
 const COUNT: usize = 4;
 
+/// Random cases.
+const RUNS: usize = 30;
+
 impl Small {
     fn random(seed: u64) -> Self {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
@@ -49,7 +52,7 @@ impl Small {
                 dwell: 0.25,
             },
             constraints: Constraints {
-                required: if seed % 2 == 0 { vec![7] } else { vec![] },
+                required: if seed.is_multiple_of(2) { vec![7] } else { vec![] },
                 separations: vec![Separation::of(&joints, 0.3)],
                 ..Constraints::default()
             },
@@ -104,7 +107,6 @@ impl Small {
 #[test]
 fn trades_are_allowed_and_about_as_good_as_the_best_of_all_sets() {
     let (mut best_times, mut best_values) = (0, 0);
-    const RUNS: usize = 30;
     for seed in 0..RUNS as u64 {
         let small = Small::random(seed);
         let function = InformationFunction::Determinant;
