@@ -32,7 +32,7 @@ const ORDER: [&str; 22] = [
 ];
 
 /// The files and rooms in a room; each may use those before it, and all may use the room's own `mod.rs`.
-const ROOMS: [(&str, &[&str]); 44] = [
+const ROOMS: [(&str, &[&str]); 46] = [
     (
         "selection",
         &[
@@ -151,10 +151,25 @@ const ROOMS: [(&str, &[&str]); 44] = [
             "board",
             "camera",
             "detections",
+            "pose_list",
             "file",
         ],
     ),
     ("formats::board", &["kalibr", "opencv", "points"]),
+    (
+        "formats::pose_list",
+        &[
+            "listed",
+            "joint_names",
+            "table",
+            "format",
+            "plan",
+            "robot_calibration",
+            "moveit_calibration",
+            "joint_trajectory",
+            "easy_handeye2",
+        ],
+    ),
     (
         "problem",
         &[
@@ -176,7 +191,7 @@ const ROOMS: [(&str, &[&str]); 44] = [
         ],
     ),
     ("plan", &["survey", "choose", "document", "results", "assess"]),
-    ("plan::survey", &["contacts", "scenarios", "trial", "refine", "smell", "diagnosis", "continuum"]),
+    ("plan::survey", &["contacts", "scenarios", "trial", "refine", "listed", "smell", "diagnosis", "continuum"]),
     (
         "plan::choose",
         &[
@@ -214,8 +229,12 @@ const ROOMS: [(&str, &[&str]); 44] = [
     ("plan::document::review", &["picture", "accuracy", "scene", "space"]),
     (
         "plan::assess",
-        &["locate", "compare", "explain", "verify", "forecast", "polish", "next", "reach", "review", "certify"],
+        &[
+            "locate", "compare", "explain", "verify", "forecast", "polish", "next", "reach", "review", "certify",
+            "score", "diff",
+        ],
     ),
+    ("plan::assess::score", &["why", "pose", "swaps"]),
     ("plan::document::study", &["cell", "summary", "work"]),
     ("experiment", &["file", "reading", "base", "factor", "stages", "study", "engine", "codesign"]),
     ("experiment::file", &["factor", "study", "design"]),
@@ -234,6 +253,7 @@ const ROOMS: [(&str, &[&str]); 44] = [
             "plan",
             "verification",
             "comparison",
+            "diff",
             "calibration",
             "study",
             "design",
