@@ -93,7 +93,9 @@ fn text(problem: &Problem, file: &Path, score: &ScoreDocument) -> Vec<String> {
         sections.push(wrapped(&held_against_best(score, best)));
     }
     if let Some(reason) = &score.no_best {
-        sections.push(wrapped(&format!("No best {} poses to hold them against: {reason}.", score.count)));
+        let best =
+            if score.count == 1 { "pose to hold it".to_owned() } else { format!("{} poses to hold them", score.count) };
+        sections.push(wrapped(&format!("No best {best} against: {reason}.")));
     }
     sections.extend(excluded(score).map(|text| wrapped(&text)));
     if !set.sigma.is_empty() {
@@ -107,7 +109,7 @@ fn text(problem: &Problem, file: &Path, score: &ScoreDocument) -> Vec<String> {
     }
     if score.exchange.len() > 1 {
         let exchange = swap_table(joints, &score.exchange);
-        let gains = wrapped("Swaps one after the other, with what all up to each gain:");
+        let gains = wrapped("Swaps one after the other, with what is gained up to each:");
         sections.push(format!("{gains}\n\n{exchange}"));
     }
     if score.swaps.is_empty() && score.best.is_some() {
@@ -155,11 +157,9 @@ fn worth(score: &ScoreDocument, set: &ScoredSet) -> String {
             .filter(|term| term.coefficient.abs() > 0.1)
             .map(|term| format!("{} {}", fixed(term.coefficient, 2), term.name))
             .collect();
-        let open = match combination.len() {
-            0 => "not all intrinsics".to_owned(),
-            _ => format!("not all intrinsics; open is {}", combination.join(" + ").replace("+ -", "- ")),
-        };
-        return format!("{those}{pictures} determine {open}.");
+        let (leave, open) =
+            (if score.count == 1 { "leaves" } else { "leave" }, combination.join(" + ").replace("+ -", "- "));
+        return format!("{those}{pictures} {leave} a combination of the intrinsics open: {open}.");
     };
     let value = set.value.map_or("-".into(), short);
     format!(

@@ -84,7 +84,7 @@ impl PosesToScore {
 
 fn of_joints(problem: &Problem, checks: &Checks, q: &[f64]) -> Result<View, Unusable> {
     let mut q = q.to_vec();
-    problem.robot.unwind(&mut q);
+    problem.robot.take_turns(&mut q);
     for (q, joint) in q.iter_mut().zip(&problem.robot.chain.joints) {
         let Limits { min, max } = joint.limits;
         let within = q.max(min).min(max);
