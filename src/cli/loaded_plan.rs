@@ -95,6 +95,14 @@ fn refused(path: &Path, reason: String) -> Failure {
     Failure::PlanFile { path: path.to_owned(), reason }
 }
 
+/// The plan at `path`, whatever its problem.
+pub(crate) fn read_plan(path: &Path) -> Result<Plan, Failure> {
+    let (text, mixed) = read_text(path)?;
+    let plan = Plan::from_json(&text).map_err(|error| refused(path, error.to_string()))?;
+    among_its_own(path, &mixed, &[])?;
+    Ok(plan)
+}
+
 /// The plan's text, and the names of the files beside it that are not of the run that wrote it.
 fn read_text(path: &Path) -> Result<(String, Vec<String>), Failure> {
     let held = hold_to_read(path);

@@ -21,8 +21,8 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
 use arguments::ProblemArguments;
 use command::{
-    board, calibrate, certify, check, compare, completions, design, explain, export, figures, init, next, noise, plan,
-    polish, reach, render, report, study, sweep, verify,
+    board, calibrate, certify, check, compare, completions, design, diff, explain, export, figures, init, next, noise,
+    plan, polish, reach, render, report, score, study, sweep, verify,
 };
 use output::Screen;
 use output::failure::Failure;
@@ -78,6 +78,10 @@ enum Command {
     Plan(plan::PlanArguments),
     /// Compare every selection method at several numbers of poses
     Compare(compare::CompareArguments),
+    /// Judge a list of poses, or of pictures taken, against what the problem could have had
+    Score(score::ScoreArguments),
+    /// Show what differs between two plans
+    Diff(diff::DiffArguments),
     /// Calibrate a camera from detected corners
     Calibrate(calibrate::CalibrateArguments),
     /// Explain a plan: what more poses would bring, what each pose contributes, what could replace it
@@ -203,6 +207,8 @@ fn run(command: &Command, screen: &mut Screen) -> Result<Verdict, Failure> {
     match command {
         Command::Plan(arguments) => plan::run(arguments, screen),
         Command::Compare(arguments) => compare::run(arguments, screen).map(good),
+        Command::Score(arguments) => score::run(arguments, screen),
+        Command::Diff(arguments) => diff::run(arguments, screen).map(good),
         Command::Calibrate(arguments) => calibrate::run(arguments, screen),
         Command::Explain(arguments) => explain::run(arguments, screen).map(good),
         Command::Polish(arguments) => polish::run(arguments, screen).map(good),

@@ -225,6 +225,41 @@ pub enum ReadFault {
         /// Name of the first.
         first: String,
     },
+    /// A joint that the robot does not have.
+    #[error("there is no joint \"{name}\"; the robot's joints are {}", joints.join(", "))]
+    UnknownJoint {
+        /// The name found.
+        name: String,
+        /// The robot's.
+        joints: Vec<String>,
+    },
+    /// Joints of the robot are left out.
+    #[error("{} of the robot {} no value{}", all_of(joints), if joints.len() == 1 { "has" } else { "have" }, after(instead))]
+    MissingJoints {
+        /// The joints left out.
+        joints: Vec<String>,
+        /// What to do; empty where that is plain.
+        instead: &'static str,
+    },
+    /// A column of joint values whose unit is not stated, or is of another kind of joint.
+    #[error("the column \"{heading}\" {}; call it {}", if *is_stated { "has a unit that is not the joint's" } else { "does not state its unit" }, names.join(" or "))]
+    JointUnit {
+        /// The heading.
+        heading: String,
+        /// Whether there is a unit.
+        is_stated: bool,
+        /// The headings with their units that the column could have.
+        names: [String; 2],
+    },
+    /// A file that lists poses in no way that is known.
+    #[error("this is no list of poses that is known; read are {read}")]
+    NoPoseList {
+        /// The files that are read.
+        read: String,
+    },
+    /// A list of poses without any.
+    #[error("there are no poses in the file")]
+    NoPoses,
     /// The detections of a view cannot be calibrated from.
     #[error("image \"{view}\"{}", without_number(fault))]
     View {
@@ -247,6 +282,11 @@ impl ReadFault {
 /// `text` after a semicolon, if there is any.
 fn after(text: &str) -> String {
     if text.is_empty() { String::new() } else { format!("; {text}") }
+}
+
+/// `joint a`, or `joints a, b`.
+fn all_of(joints: &[String]) -> String {
+    format!("{} {}", if joints.len() == 1 { "joint" } else { "joints" }, joints.join(", "))
 }
 
 fn cameras(names: &[String]) -> String {

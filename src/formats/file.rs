@@ -79,6 +79,14 @@ pub fn read_detections_file(path: &Path, known: &Known) -> Result<Detections, Fi
     Ok(read_detections(&text(path)?, known)?)
 }
 
+/// The text of the file at `path`, for what looks at the content first.
+///
+/// # Errors
+/// When the file cannot be read or is no UTF-8 text.
+pub fn read_text_file(path: &Path) -> Result<String, FileReadError> {
+    Ok(text(path)?)
+}
+
 /// The robot of the URDF file at `path`; see [`read_urdf`].
 ///
 /// # Errors

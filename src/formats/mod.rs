@@ -1,4 +1,4 @@
-//! The files of other tools: detected corners in, cameras in and out.
+//! The files of other tools: detected corners and poses in, cameras in and out.
 //!
 //! | file | module | read | written |
 //! |---|---|---|---|
@@ -12,6 +12,8 @@
 //! | the same, XML | `camera::opencv_xml` | yes | |
 //! | mrcal's cameramodel | `camera::mrcal` | yes | yes |
 //! | Kalibr's camchain, YAML | `camera::kalibr` | yes | yes |
+//! | poses of `robot_calibration`, `MoveIt` Calibration, `JointTrajectory`, `easy_handeye2`, YAML | `pose_list` | yes | |
+//! | the same, CSV | `pose_list::table` | yes | |
 //! | robots, URDF and SRDF | `urdf` | yes | |
 //! | meshes, STL, OBJ and COLLADA | `mesh` | yes | |
 //!
@@ -27,6 +29,7 @@ mod file;
 mod image_size;
 mod mesh;
 mod number;
+mod pose_list;
 mod tree;
 mod urdf;
 mod xml;
@@ -39,9 +42,10 @@ pub(crate) use disk::read_at_most;
 pub use error::{ReadError, ReadFault};
 pub use file::{
     FileReadError, outline_urdf_file, read_board_file, read_camera_file, read_detections_file, read_srdf_file,
-    read_urdf_file,
+    read_text_file, read_urdf_file,
 };
 pub use mesh::{MeshError, read_mesh};
+pub use pose_list::{ListedPose, PoseList, PoseListFormat, StatedPlace, read_poses};
 pub use urdf::{
     Description, Outline, StatedRange, UrdfError, UrdfFault, UrdfNote, UrdfRemark, outline_urdf, read_srdf, read_urdf,
 };

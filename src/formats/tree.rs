@@ -1,5 +1,6 @@
 //! YAML and its relatives as a tree of values that know their lines.
 
+use std::collections::HashMap;
 use std::fmt::Display;
 
 use saphyr_parser::{Event, Parser, ScalarStyle};
@@ -10,6 +11,8 @@ use super::error::{ReadError, ReadFault};
 pub(super) const DEEPEST: usize = 32;
 /// So are more keys in one map.
 const MOST_KEYS: usize = 1000;
+/// And more values that aliases repeat: a few lines of aliases of aliases would stand for billions.
+const MOST_REPEATED: usize = 1_000_000;
 
 /// A value and its line.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,7 +56,7 @@ pub(super) fn parse(text: &str) -> Result<Node, ReadError> {
         return Err(ReadFault::Empty.at(last_line));
     }
     let text = plain_yaml(text);
-    let mut events = Events { parser: Parser::new_from_str(&text), last_line };
+    let mut events = Events { parser: Parser::new_from_str(&text), last_line, anchored: HashMap::new(), repeated: 0 };
     loop {
         match events.next()? {
             (Event::StreamStart | Event::DocumentStart(_) | Event::Nothing, _) => {}
@@ -88,6 +91,10 @@ fn syntax(message: &str, line: usize) -> ReadError {
 struct Events<'t> {
     parser: Parser<'t, saphyr_parser::StrInput<'t>>,
     last_line: usize,
+    /// The values that aliases may stand for, by their anchors.
+    anchored: HashMap<usize, Node>,
+    /// Values that aliases have repeated.
+    repeated: usize,
 }
 
 impl<'t> Events<'t> {
@@ -105,6 +112,10 @@ impl<'t> Events<'t> {
         if depth > DEEPEST {
             return Err(syntax(&format!("nested deeper than {DEEPEST} levels"), line));
         }
+        let anchor = match event {
+            Event::Scalar(_, _, anchor, _) | Event::SequenceStart(anchor, _) | Event::MappingStart(anchor, _) => anchor,
+            _ => 0,
+        };
         let content = match event {
             Event::Scalar(text, ScalarStyle::Plain, ..) => Content::Plain(text.into_owned()),
             Event::Scalar(text, ..) => Content::Quoted(text.into_owned()),
@@ -118,9 +129,30 @@ impl<'t> Events<'t> {
                 }
             }
             Event::MappingStart(..) => self.map(depth)?,
-            _ => return Err(syntax("aliases are not supported", line)),
+            Event::Alias(anchor) => self.repeated(anchor, line, depth)?,
+            _ => return Err(syntax("this is no value", line)),
         };
-        Ok(Node { line, content })
+        let node = Node { line, content };
+        if anchor > 0 {
+            self.anchored.insert(anchor, node.clone());
+        }
+        Ok(node)
+    }
+
+    /// What the alias of `anchor` stands for.
+    fn repeated(&mut self, anchor: usize, line: usize, depth: usize) -> Result<Content, ReadError> {
+        let Some(node) = self.anchored.get(&anchor) else {
+            return Err(syntax("the alias stands for a value that it is in", line));
+        };
+        let (values, levels) = node.extent();
+        self.repeated += values;
+        if self.repeated > MOST_REPEATED {
+            return Err(syntax(&format!("aliases repeat more than {MOST_REPEATED} values"), line));
+        }
+        if depth + levels > DEEPEST {
+            return Err(syntax(&format!("nested deeper than {DEEPEST} levels"), line));
+        }
+        Ok(node.content.clone())
     }
 
     fn map(&mut self, depth: usize) -> Result<Content, ReadError> {
@@ -144,6 +176,17 @@ impl<'t> Events<'t> {
 }
 
 impl Node {
+    /// How many values there are in it, itself among them, and how many levels of them below it.
+    fn extent(&self) -> (usize, usize) {
+        let below: Vec<&Node> = match &self.content {
+            Content::Plain(_) | Content::Quoted(_) => return (1, 0),
+            Content::List(list) => list.iter().collect(),
+            Content::Map(map) => map.iter().map(|(_, node)| node).collect(),
+        };
+        let extents = below.into_iter().map(Node::extent);
+        extents.fold((1, 1), |(values, levels), (more, deeper)| (values + more, levels.max(1 + deeper)))
+    }
+
     /// The value at `key`, if this is a map that has it.
     pub(super) fn get(&self, key: &str) -> Option<&Node> {
         match &self.content {
@@ -267,9 +310,25 @@ mod tests {
     }
 
     #[test]
-    fn bottomless_nesting_and_aliases_are_refused() {
-        for text in ["[".repeat(100_000), "{a: ".repeat(100_000), "- ".repeat(100_000), "a: &x [1]\nb: *x".into()] {
+    fn bottomless_nesting_is_refused() {
+        for text in ["[".repeat(100_000), "{a: ".repeat(100_000), "- ".repeat(100_000)] {
             assert!(parse(&text).is_err());
         }
+    }
+
+    #[test]
+    fn aliases_repeat_what_they_stand_for_within_limits() {
+        let root = parse("a: &x [1, &y 2]\nb: *x\n\nc: *y\n").unwrap();
+        let numbers = root.require("", "b").unwrap().numbers(&"b").unwrap();
+        assert_eq!(numbers.iter().map(|number| number.value).collect::<Vec<_>>(), [1.0, 2.0]);
+        let c = root.require("", "c").unwrap();
+        assert_eq!((c.number(&"c").unwrap().value, c.line), (2.0, 4));
+        let refused = |text: &str| parse(text).unwrap_err().to_string();
+        assert!(refused("a: &x [*x]").contains("that it is in"));
+        // Ten lines for ten billion.
+        let bomb: String = (1..=10).map(|i| format!("- &a{i} [{}]\n", format!("*a{}, ", i - 1).repeat(10))).collect();
+        assert!(refused(&format!("- &a0 1\n{bomb}")).contains("more than 1000000 values"));
+        let tower: String = (1..=40).map(|i| format!("- &a{i} [*a{}]\n", i - 1)).collect();
+        assert!(refused(&format!("- &a0 1\n{tower}")).contains("nested deeper than 32 levels"));
     }
 }

@@ -13,5 +13,7 @@ pub use documents::{Disagreement, PlanDocuments};
 pub use drawing::{DrawingError, Style, png, svg};
 pub use figure::{Band, BandKind, Content, Figure, Hue, Interval, Line, Mark, Series, Strip};
 pub use outcome::{family, gain, on_the_way, outcome, strongest};
-pub use page::{PAGE_MARK, calibration_page, comparison_page, design_page, plan_page, study_page, verification_page};
+pub use page::{
+    PAGE_MARK, calibration_page, comparison_page, design_page, diff_page, plan_page, study_page, verification_page,
+};
 pub use plots::{design_figures, plan_drawings, plan_figures, study_figures, tour_figure};

@@ -55,11 +55,19 @@ impl Robot {
 
     /// Takes whole turns off joint values, so that joints that go round stay within the turn nearest to 0.
     pub fn unwind(&self, q: &mut [f64]) {
-        for (q, (span, joint)) in q.iter_mut().zip(self.spans().iter().zip(&self.chain.joints)) {
+        self.take_turns(q);
+        for (q, joint) in q.iter_mut().zip(&self.chain.joints) {
+            *q = q.max(joint.limits.min).min(joint.limits.max);
+        }
+    }
+
+    /// The same, but leaves values of joints that do not go round where they are, also beyond their limits.
+    pub(crate) fn take_turns(&self, q: &mut [f64]) {
+        for (q, span) in q.iter_mut().zip(self.spans()) {
             let Limits { min, max } = span.limits;
-            let wound = span.is_turn && !(min..=max).contains(q);
-            let unwound = if wound { min + (*q - min).rem_euclid(TAU) } else { *q };
-            *q = unwound.max(joint.limits.min).min(joint.limits.max);
+            if span.is_turn && !(min..=max).contains(q) {
+                *q = min + (*q - min).rem_euclid(TAU);
+            }
         }
     }
 

@@ -194,6 +194,8 @@ fn every_document_is_as_its_schema_says() {
         "polish out/plan.json --cycles 1",
         "next out/plan.json seen.json -k 2",
         "compare coarse.toml -k 9 --seeds 1 --limit 20 --trials 2",
+        "score out/plan.csv --problem coarse.toml",
+        "diff out small",
         "calibrate seen.json --problem coarse.toml -o camera --map-error-px 9",
         "noise twice.vnl --problem coarse.toml",
         "sweep coarse.toml --step 20",

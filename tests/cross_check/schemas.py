@@ -33,6 +33,8 @@ LINES = [
     "explain robust/plan.json --most 9 --spares 0",
     f"next out/plan.json {CORNERS} -k 2",
     f"compare {PROBLEM} -k 9 --seeds 1 --limit 20 --trials 2",
+    f"score out/plan.csv --problem {PROBLEM}",
+    "diff out out",
     f"calibrate {CORNERS} --problem {PROBLEM} -o camera",
     f"sweep {PROBLEM} --step 20",
     f"reach {PROBLEM} --distance-mm 400",

@@ -32,7 +32,7 @@ const ORDER: [&str; 22] = [
 ];
 
 /// The files and rooms in a room; each may use those before it, and all may use the room's own `mod.rs`.
-const ROOMS: [(&str, &[&str]); 49] = [
+const ROOMS: [(&str, &[&str]); 51] = [
     (
         "selection",
         &[
@@ -172,10 +172,25 @@ const ROOMS: [(&str, &[&str]); 49] = [
             "board",
             "camera",
             "detections",
+            "pose_list",
             "file",
         ],
     ),
     ("formats::board", &["kalibr", "opencv", "points"]),
+    (
+        "formats::pose_list",
+        &[
+            "listed",
+            "joint_names",
+            "table",
+            "format",
+            "plan",
+            "robot_calibration",
+            "moveit_calibration",
+            "joint_trajectory",
+            "easy_handeye2",
+        ],
+    ),
     (
         "problem",
         &[
@@ -197,7 +212,7 @@ const ROOMS: [(&str, &[&str]); 49] = [
         ],
     ),
     ("plan", &["survey", "choose", "document", "results", "assess"]),
-    ("plan::survey", &["contacts", "scenarios", "trial", "refine", "smell", "diagnosis", "continuum"]),
+    ("plan::survey", &["contacts", "scenarios", "trial", "refine", "listed", "smell", "diagnosis", "continuum"]),
     (
         "plan::choose",
         &[
@@ -238,8 +253,12 @@ const ROOMS: [(&str, &[&str]); 49] = [
     ("plan::document::review", &["picture", "accuracy", "scene", "timeline", "space"]),
     (
         "plan::assess",
-        &["locate", "compare", "explain", "verify", "forecast", "polish", "next", "reach", "review", "certify"],
+        &[
+            "locate", "compare", "explain", "verify", "forecast", "polish", "next", "reach", "review", "certify",
+            "score", "diff",
+        ],
     ),
+    ("plan::assess::score", &["why", "pose", "swaps"]),
     ("plan::document::study", &["cell", "summary", "work"]),
     ("experiment", &["file", "reading", "base", "factor", "stages", "study", "engine", "codesign"]),
     ("experiment::file", &["factor", "study", "design"]),
@@ -260,6 +279,7 @@ const ROOMS: [(&str, &[&str]); 49] = [
             "plan",
             "verification",
             "comparison",
+            "diff",
             "calibration",
             "study",
             "design",

@@ -15,18 +15,19 @@ use crate::formats::read_at_most;
 use crate::plan::assess::{ExplainSettings, explain, review};
 use crate::plan::choose::Chooser;
 use crate::plan::document::{
-    CalibrationDocument, ComparisonDocument, DesignDocument, Document, Explanation, Header, Plan, Review,
+    CalibrationDocument, ComparisonDocument, DesignDocument, DiffDocument, Document, Explanation, Header, Plan, Review,
     StudyDocument, Verification,
 };
 use crate::plan::results::{add_results, probe, write_atomically};
 use crate::problem::Method;
 use crate::report::{
-    PAGE_MARK, PlanDocuments, calibration_page, comparison_page, design_page, plan_page, study_page, verification_page,
+    PAGE_MARK, PlanDocuments, calibration_page, comparison_page, design_page, diff_page, plan_page, study_page,
+    verification_page,
 };
 
 #[derive(Debug, Args)]
 pub(crate) struct ReportArguments {
-    /// plan.json, verification.json, calibration.json, study.json, design.json, or what `calipose verify`, `compare` or `calibrate` printed with --json
+    /// plan.json, verification.json, calibration.json, study.json, design.json, or what `calipose verify`, `compare`, `diff` or `calibrate` printed with --json
     document: PathBuf,
     /// Problem file of a plan [default: the one that run.json beside the plan names]
     #[arg(long)]
@@ -46,16 +47,18 @@ pub(crate) fn run(arguments: &ReportArguments, screen: &mut Screen) -> Result<()
     match format.as_deref() {
         Some(Verification::FORMAT) => of::<Verification>(path, verification_page, screen),
         Some(ComparisonDocument::FORMAT) => of::<ComparisonDocument>(path, comparison_page, screen),
+        Some(DiffDocument::FORMAT) => of::<DiffDocument>(path, diff_page, screen),
         Some(CalibrationDocument::FORMAT) => of::<CalibrationDocument>(path, calibration_page, screen),
         Some(StudyDocument::FORMAT) => of::<StudyDocument>(path, study_page, screen),
         Some(DesignDocument::FORMAT) => of::<DesignDocument>(path, design_page, screen),
         Some(other) if other.starts_with("calipose.") && other != Plan::FORMAT => Err(Failure::Document {
             path: path.clone(),
             reason: format!(
-                "its key `format` is \"{other}\"; pages are made of {}, {}, {}, {}, {} and {}",
+                "its key `format` is \"{other}\"; pages are made of {}, {}, {}, {}, {}, {} and {}",
                 Plan::FORMAT,
                 Verification::FORMAT,
                 ComparisonDocument::FORMAT,
+                DiffDocument::FORMAT,
                 CalibrationDocument::FORMAT,
                 StudyDocument::FORMAT,
                 DesignDocument::FORMAT
@@ -92,12 +95,17 @@ fn of<D: Document + DeserializeOwned>(path: &Path, page: fn(&D) -> String, scree
     }
     let document: D = serde_json::from_slice(&bytes).map_err(|error| refused(error.to_string()))?;
     let target = path.with_extension("html");
-    if target.symlink_metadata().is_ok() && !bears(&target, PAGE_MARK) {
-        return Err(Failure::Exists(target));
-    }
-    writing(|| write_atomically(&target, page(&document).as_bytes()))?;
+    write_page(&target, &page(&document))?;
     screen.document(&document)?;
     screen.text(&format!("Written to {}.", target.display()))
+}
+
+/// Writes a page to `target`, if what is there is none, or one that this program wrote.
+pub(super) fn write_page(target: &Path, page: &str) -> Result<(), Failure> {
+    if target.symlink_metadata().is_ok() && !bears(target, PAGE_MARK) {
+        return Err(Failure::Exists(target.to_owned()));
+    }
+    Ok(writing(|| write_atomically(target, page.as_bytes()))?)
 }
 
 fn of_plan(arguments: &ReportArguments, screen: &mut Screen) -> Result<(), Failure> {

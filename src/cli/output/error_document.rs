@@ -31,7 +31,9 @@ fn faults(failure: &Failure) -> Vec<FaultDocument> {
         }
         Failure::Problem(ProblemError::Encoding { path, line: at }) => place(path, Some(*at), None),
         Failure::Problem(ProblemError::Read { path, .. }) | Failure::PlanFile { path, .. } => place(path, None, None),
-        Failure::Observations { path, error } => place(path, line(error), Some(error.to_string())),
+        Failure::Observations { path, error } | Failure::PoseList { path, error } => {
+            place(path, line(error), Some(error.to_string()))
+        }
         _ => Vec::new(),
     }
 }

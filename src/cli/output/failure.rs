@@ -38,6 +38,9 @@ pub(crate) enum Failure {
     #[error("{}: {error}", path.display())]
     #[diagnostic(help("{}", observations_help(error)))]
     Observations { path: PathBuf, error: FileReadError },
+    #[error("{}: {error}", path.display())]
+    #[diagnostic(help("{}", pose_list_help(error)))]
+    PoseList { path: PathBuf, error: FileReadError },
     #[error("cannot use the target {}: {error}", path.display())]
     TargetFile { path: PathBuf, error: FileReadError },
     #[error("{}: {error}", path.display())]
@@ -149,6 +152,7 @@ impl Failure {
             | Failure::Store(StoreError::File(_))
             | Failure::Run(_) => "cannot-write",
             Failure::Observations { .. } | Failure::Scatter(_) => "observations",
+            Failure::PoseList { .. } => "pose-list",
             Failure::TargetFile { .. } => "target-file",
             Failure::Calibration { .. } => "no-calibration",
             Failure::PlanFile { .. } => "plan-file",
@@ -202,6 +206,7 @@ impl Failure {
             | Failure::Document { .. }
             | Failure::Mixed { .. }
             | Failure::TargetFile { .. }
+            | Failure::PoseList { .. }
             | Failure::Observations { .. } => 3,
             _ => 1,
         }
@@ -389,6 +394,21 @@ fn observations_help(error: &FileReadError) -> &'static str {
         ReadFault::NoImage { .. } => "`*` stands for any text and `?` for one character; quote the pattern",
         ReadFault::Mismatch { .. } => "leave the options out, or correct the file",
         _ => "the book's page \"Calibration\" describes both formats",
+    }
+}
+
+fn pose_list_help(error: &FileReadError) -> &'static str {
+    let FileReadError::Content(ReadError { fault, .. }) = error else {
+        return "give a list of poses: YAML, CSV, a plan, or a file of detected corners";
+    };
+    match fault {
+        ReadFault::NoPoseList { .. } => {
+            "say which it is with --format, or write a table with a column for each joint, as in elbow_deg"
+        }
+        ReadFault::UnknownJoint { .. } | ReadFault::MissingJoints { .. } => {
+            "list a value for every joint of the problem's robot, and for no others, under the names that the problem file has"
+        }
+        _ => "the book's page \"File formats\" describes lists of poses",
     }
 }
 

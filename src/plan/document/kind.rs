@@ -6,8 +6,8 @@ use schemars::transform::RecursiveTransform;
 use serde_json::Value;
 
 use super::answers::{
-    CalibrationDocument, Certified, ComparisonDocument, Explanation, ExportDocument, FiguresDocument, NextDocument,
-    NoiseDocument, PicturesDocument, Verification,
+    CalibrationDocument, Certified, ComparisonDocument, DiffDocument, Explanation, ExportDocument, FiguresDocument,
+    NextDocument, NoiseDocument, PicturesDocument, ScoreDocument, Verification,
 };
 use super::design::{DesignCheckDocument, DesignDocument};
 use super::header::Document;
@@ -29,7 +29,7 @@ pub struct Kind {
 
 impl Kind {
     /// Every kind, those first that are written beside a plan.
-    pub const ALL: [Self; 27] = [
+    pub const ALL: [Self; 29] = [
         Self::of::<Plan>(),
         Self::of::<Run>(),
         Self::of::<Verification>(),
@@ -42,6 +42,8 @@ impl Kind {
         Self::of::<ExportDocument>(),
         Self::of::<Certified>(),
         Self::of::<ComparisonDocument>(),
+        Self::of::<ScoreDocument>(),
+        Self::of::<DiffDocument>(),
         Self::of::<CalibrationDocument>(),
         Self::of::<NoiseDocument>(),
         Self::of::<SweepDocument>(),

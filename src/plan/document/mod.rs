@@ -13,12 +13,13 @@ mod study;
 mod views;
 
 pub use answers::{
-    BoardWarp, CalibratedView, CalibrationDocument, Certified, CombinationTerm, ComparisonDocument,
-    ComparisonEquivalent, ComparisonRow, CornerResidual, CurvePoint, EstimatedIntrinsics, Explanation, ExportDocument,
-    ExportedFile, FailedTrial, FigureFile, FiguresDocument, LeastKnown, MapErrorCheck, MapErrorOverImage,
-    MeasuredNoise, MeasuredRow, NextDocument, NoiseDocument, NotChecked, OutlierDocument, ParameterCheck, PictureFile,
-    PictureSize, PicturesDocument, PoseExplanation, RequestedAccuracy, ResidualLengths, RobustnessPrice,
-    SimulatedMapError, SparePose, Suffering, Verification,
+    BestOfAsMany, BoardWarp, CalibratedView, CalibrationDocument, Certified, CombinationTerm, ComparedPlan,
+    ComparisonDocument, ComparisonEquivalent, ComparisonRow, CornerResidual, CurvePoint, DiffDocument,
+    EstimatedIntrinsics, Explanation, ExportDocument, ExportedFile, FailedTrial, FigureFile, FiguresDocument,
+    LeastKnown, LonePose, MapErrorCheck, MapErrorOverImage, MeasuredNoise, MeasuredRow, MovedPose, NextDocument,
+    NoiseDocument, NotChecked, OutlierDocument, ParameterCheck, PictureFile, PictureSize, PicturesDocument,
+    PoseExplanation, RequestedAccuracy, ResidualLengths, RobustnessPrice, ScoreDocument, ScoredPose, ScoredSet,
+    ScoredSwap, SigmaChange, SimulatedMapError, SparePose, Suffering, Verification, lists_poses,
 };
 pub use design::{
     DesignCheckDocument, DesignDocument, DesignMap, DesignProof, FreeValue, Sensitivity, SensitivityPoint, SetUp,

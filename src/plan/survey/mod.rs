@@ -3,6 +3,7 @@
 mod contacts;
 mod continuum;
 mod diagnosis;
+mod listed;
 mod refine;
 mod scenarios;
 mod smell;
@@ -10,6 +11,8 @@ mod trial;
 
 pub use contacts::Contact;
 pub use diagnosis::{Diagnosis, Miss, Obstacle, diagnose};
+pub use listed::Excluded;
+pub(crate) use listed::{Joined, up_to_limits};
 pub use refine::NoView;
 pub(crate) use refine::{join, spacings};
 pub use scenarios::Scenario;

@@ -127,7 +127,8 @@ impl Survey {
         Ok(())
     }
 
-    fn append(&mut self, found: Self) {
+    /// Puts the views of another survey of the same problem behind its own.
+    pub(super) fn append(&mut self, found: Self) {
         self.information.append(&found.information);
         for (scenario, found) in self.scenarios.iter_mut().zip(&found.scenarios) {
             scenario.information.append(&found.information);

@@ -5,6 +5,7 @@
 mod calibration;
 mod comparison;
 mod design;
+mod diff;
 mod facts;
 mod head;
 mod picture;
@@ -18,6 +19,7 @@ mod verification;
 pub use calibration::calibration_page;
 pub use comparison::comparison_page;
 pub use design::design_page;
+pub use diff::diff_page;
 pub use plan::plan_page;
 pub use study::study_page;
 pub use verification::verification_page;

@@ -3,12 +3,15 @@
 mod calibration;
 mod certified;
 mod comparison;
+mod diff;
 mod explanation;
 mod exported;
 mod figures;
+mod listing;
 mod next;
 mod noise;
 mod pictures;
+mod score;
 mod verification;
 
 pub use calibration::{
@@ -17,12 +20,15 @@ pub use calibration::{
 };
 pub use certified::{Certified, NotChecked};
 pub use comparison::{ComparisonDocument, ComparisonEquivalent, ComparisonRow, MeasuredRow};
+pub use diff::{ComparedPlan, DiffDocument, LonePose, MovedPose, SigmaChange};
 pub use explanation::{
     CombinationTerm, CurvePoint, Explanation, LeastKnown, PoseExplanation, RobustnessPrice, SparePose, Suffering,
 };
 pub use exported::{ExportDocument, ExportedFile};
 pub use figures::{FigureFile, FiguresDocument};
+pub use listing::lists_poses;
 pub use next::{NextDocument, SimulatedMapError};
 pub use noise::{MeasuredNoise, NoiseDocument};
 pub use pictures::{PictureFile, PicturesDocument};
+pub use score::{BestOfAsMany, ScoreDocument, ScoredPose, ScoredSet, ScoredSwap};
 pub use verification::{FailedTrial, MapErrorCheck, ParameterCheck, Verification};

@@ -18,6 +18,7 @@ pub use proof::{
     AccuracyDocument, CertificateDocument, CertificateTerm, Certificates, ContinuumDocument, FewestDocument, Price,
     SearchDocument,
 };
+pub(in crate::plan::document) use reading::read;
 pub use reading::{PlanReadError, PlannedPoses};
 pub use robustness::{RobustnessDocument, ScenarioDocument, SeenView, TrialDocument};
 pub use run::{Run, RunProblem, RunSeconds};

@@ -42,7 +42,10 @@ pub enum PlanReadError {
 }
 
 /// What `text` says, a document of one of the `kinds`: the values of its keys `format` and `version`.
-fn read<T: DeserializeOwned>(text: &str, kinds: &[(&str, u32)]) -> Result<T, PlanReadError> {
+pub(in crate::plan::document) fn read<T: DeserializeOwned>(
+    text: &str,
+    kinds: &[(&str, u32)],
+) -> Result<T, PlanReadError> {
     let value: Value = serde_json::from_str(text).map_err(PlanReadError::Json)?;
     let found = value["format"].as_str().unwrap_or_default();
     let Some(&(_, read)) = kinds.iter().find(|(format, _)| *format == found) else {
