@@ -11,6 +11,7 @@ mod determinism;
 mod documents;
 mod explain_and_polish;
 mod export;
+mod follow;
 mod next_poses;
 mod noise;
 mod off_grid;

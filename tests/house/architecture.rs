@@ -32,7 +32,7 @@ const ORDER: [&str; 22] = [
 ];
 
 /// The files and rooms in a room; each may use those before it, and all may use the room's own `mod.rs`.
-const ROOMS: [(&str, &[&str]); 44] = [
+const ROOMS: [(&str, &[&str]); 46] = [
     (
         "selection",
         &[
@@ -204,6 +204,7 @@ const ROOMS: [(&str, &[&str]); 44] = [
             "views",
             "problem",
             "answers",
+            "follow",
             "review",
             "study",
             "design",
@@ -214,8 +215,28 @@ const ROOMS: [(&str, &[&str]); 44] = [
     ("plan::document::review", &["picture", "accuracy", "scene", "space"]),
     (
         "plan::assess",
-        &["locate", "compare", "explain", "verify", "forecast", "polish", "next", "reach", "review", "certify"],
+        &[
+            "locate", "compare", "explain", "verify", "forecast", "polish", "next", "follow", "reach", "review",
+            "certify",
+        ],
     ),
+    (
+        "plan::assess::follow",
+        &[
+            "answer",
+            "until",
+            "ways",
+            "picture",
+            "mismatch",
+            "knowledge",
+            "doubt",
+            "announcement",
+            "further",
+            "tour",
+            "events",
+        ],
+    ),
+    ("plan::document::follow", &["state", "event"]),
     ("plan::document::study", &["cell", "summary", "work"]),
     ("experiment", &["file", "reading", "base", "factor", "stages", "study", "engine", "codesign"]),
     ("experiment::file", &["factor", "study", "design"]),

@@ -10,6 +10,7 @@ pub(crate) mod design;
 pub(crate) mod explain;
 pub(crate) mod export;
 pub(crate) mod figures;
+pub(crate) mod follow;
 pub(crate) mod init;
 pub(crate) mod next;
 pub(crate) mod noise;

@@ -10,7 +10,6 @@ pub use known::Known;
 
 use super::error::{ReadError, ReadFault};
 use crate::calibration::{ObservationError, Observations, View};
-use crate::target::Board;
 use listed_image::{ListedImage, ListedImages};
 
 /// The detections of a file.
@@ -45,7 +44,7 @@ pub struct Detections {
 /// # Errors
 /// The first fault, with its line.
 pub fn read_detections(text: &str, known: &Known) -> Result<Detections, ReadError> {
-    let ((board, [width, height]), images) = listed(text, known)?;
+    let ListedImages { board, size: [width, height], images } = listed(text, known)?;
     let images = chosen(images, known.images.as_deref())?;
     let (seen, skipped): (Vec<ListedImage>, Vec<ListedImage>) =
         images.into_iter().partition(|image| image.detected().count() > 0);
@@ -76,8 +75,7 @@ pub struct DetectedImage {
 /// # Errors
 /// The first fault that keeps the file from being read, with its line.
 pub fn read_images(text: &str, known: &Known) -> Result<Vec<DetectedImage>, ReadError> {
-    let (_, images) = listed(text, known)?;
-    let images = match chosen(images, known.images.as_deref()) {
+    let images = match chosen(listed(text, known)?.images, known.images.as_deref()) {
         Err(ReadError { fault: ReadFault::NoImage { .. }, .. }) => Vec::new(),
         images => images?,
     };
@@ -87,12 +85,11 @@ pub fn read_images(text: &str, known: &Known) -> Result<Vec<DetectedImage>, Read
         .collect())
 }
 
-/// Board, width and height, and the images of a file of either format.
-fn listed(text: &str, known: &Known) -> Result<((Board, [u32; 2]), Vec<ListedImage>), ReadError> {
+/// The images of a file of either format.
+fn listed(text: &str, known: &Known) -> Result<ListedImages, ReadError> {
     let text = text.trim_start_matches('\u{feff}');
     let read = if text.trim_start().starts_with('{') { observations::read } else { vnl::read };
-    let ListedImages { board, size, images } = read(text, known)?;
-    Ok(((board, size), images))
+    read(text, known)
 }
 
 /// The images whose names match `pattern`.
@@ -141,6 +138,7 @@ mod tests {
 
     use super::*;
     use crate::calibration::Corner;
+    use crate::target::Board;
 
     fn known() -> Known {
         Known { board: Some(Board::checkerboard(3, 2, 0.03)), image: Some([640, 480]), images: None }
@@ -175,7 +173,8 @@ mod tests {
         assert_eq!(found(Some("*cam1*")), []);
         assert!(read_detections(&table, &known()).unwrap_err().to_string().contains("few.png"));
         // Half a file is none.
-        let error = read_images(&table[..table.find("few").unwrap() - 30], &known()).unwrap_err();
-        assert!(error.to_string().contains("good.png"), "{error}");
+        let half: String = table.lines().take(5).map(|line| format!("{line}\n")).collect();
+        let error = read_images(&half, &known()).unwrap_err();
+        assert!(error.to_string().contains("image \"good.png\" has 4 corners"), "{error}");
     }
 }

@@ -3,6 +3,7 @@
 mod certify;
 mod compare;
 mod explain;
+mod follow;
 mod forecast;
 mod locate;
 mod next;
@@ -14,6 +15,10 @@ mod verify;
 pub use certify::{BrokenConstraint, CertifyError, Confirmed, Unchecked, certify};
 pub use compare::{BestOffGrid, Comparison, Equivalent, Row, best_off_grid, compare, equivalent_kmeans, median_choice};
 pub use explain::{ExplainSettings, explain};
+pub use follow::{
+    Announcement, Answer, Doubt, End, Follow, Input, Known, Mismatch, Refusal, Standing, Stop, UnknownAccuracy,
+    UnknownAnswer, Until,
+};
 pub use forecast::{Forecast, forecast, forecast_bytes};
 pub use locate::LocateError;
 pub use next::{Proposal, Rehearsal, Request, next};
