@@ -21,8 +21,8 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
 use arguments::ProblemArguments;
 use command::{
-    board, calibrate, certify, check, compare, completions, design, diff, explain, export, figures, init, next, noise,
-    plan, polish, reach, render, report, score, study, sweep, verify,
+    board, calibrate, certify, check, compare, completions, design, diff, explain, export, figures, follow, init, next,
+    noise, plan, polish, reach, render, report, score, study, sweep, verify,
 };
 use output::Screen;
 use output::failure::Failure;
@@ -106,6 +106,8 @@ enum Command {
     Certify(certify::CertifyArguments),
     /// Re-estimate the camera from the views taken so far and propose the next best poses
     Next(next::NextArguments),
+    /// Carry a plan out pose by pose, and end as soon as the pictures reach the accuracy
+    Follow(follow::FollowArguments),
     /// Find joint values that bring the camera to a requested pose
     Reach(reach::ReachArguments),
     /// Run experiments that are stated in a file
@@ -221,6 +223,7 @@ fn run(command: &Command, screen: &mut Screen) -> Result<Verdict, Failure> {
         Command::Verify(arguments) => verify::run(arguments, screen),
         Command::Certify(arguments) => certify::run(arguments, screen).map(good),
         Command::Next(arguments) => next::run(arguments, screen),
+        Command::Follow(arguments) => follow::run(arguments, screen),
         Command::Reach(arguments) => reach::run(arguments, screen).map(good),
         Command::Study(command) => study::run(command, screen).map(good),
         Command::Design(arguments) => design::run(arguments, screen).map(good),

@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use super::board::{StatedBoard, read_board};
 use super::camera::{StatedCamera, read_camera};
-use super::detections::{Detections, Known, read_detections};
+use super::detections::{DetectedImage, Detections, Known, read_detections, read_images};
 use super::disk::{DiskError, text};
 use super::error::ReadError;
 use super::urdf::{Description, Outline, UrdfError, UrdfNote, outline_urdf, read_srdf, read_urdf};
@@ -85,6 +85,14 @@ pub fn read_detections_file(path: &Path, known: &Known) -> Result<Detections, Fi
 /// When the file cannot be read or is no UTF-8 text.
 pub fn read_text_file(path: &Path) -> Result<String, FileReadError> {
     Ok(text(path)?)
+}
+
+/// The images of the file of detections at `path`, each for itself; see [`read_images`].
+///
+/// # Errors
+/// When the file cannot be read.
+pub fn read_images_file(path: &Path, known: &Known) -> Result<Vec<DetectedImage>, FileReadError> {
+    Ok(read_images(&text(path)?, known)?)
 }
 
 /// The robot of the URDF file at `path`; see [`read_urdf`].

@@ -2,7 +2,7 @@
 //!
 //! | file | module | read | written |
 //! |---|---|---|---|
-//! | mrcal's corners, vnl | `detections::vnl` | yes | |
+//! | mrcal's corners, vnl | `detections::vnl` | yes | yes |
 //! | calipose's own observations, JSON | `detections::observations` | yes | |
 //! | Kalibr's targets, YAML | `board::kalibr` | yes | |
 //! | OpenCV's ChArUco boards, JSON | `board::opencv` | yes | |
@@ -36,13 +36,13 @@ mod xml;
 
 pub use board::{StatedBoard, read_board, read_points};
 pub use camera::{CameraFormat, StatedCamera, WriteError, read_camera};
-pub use detections::{Detections, Known, read_detections};
+pub use detections::{DetectedImage, Detections, Known, read_detections, read_images, write_vnl};
 pub use disk::DiskError;
 pub(crate) use disk::read_at_most;
 pub use error::{ReadError, ReadFault};
 pub use file::{
-    FileReadError, outline_urdf_file, read_board_file, read_camera_file, read_detections_file, read_srdf_file,
-    read_text_file, read_urdf_file,
+    FileReadError, outline_urdf_file, read_board_file, read_camera_file, read_detections_file, read_images_file,
+    read_srdf_file, read_text_file, read_urdf_file,
 };
 pub use mesh::{MeshError, read_mesh};
 pub use pose_list::{ListedPose, PoseList, PoseListFormat, StatedPlace, read_poses};

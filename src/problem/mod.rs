@@ -37,6 +37,7 @@ pub use text::{OverrideError, Overrides};
 
 use std::path::{Path, PathBuf};
 
+use crate::calibration::Request;
 use crate::camera::Camera;
 use crate::feasibility::{Checks, Stability, VisibilityLimits};
 use crate::formats::read_at_most;
@@ -161,6 +162,17 @@ impl Problem {
     /// The intrinsics to estimate, of the nominal camera.
     pub fn unknowns(&self) -> Unknowns<'_> {
         Unknowns { camera: &self.camera, estimated: &self.estimated }
+    }
+
+    /// The accuracies that are requested, as a calibration is held against them.
+    pub fn requests(&self) -> Vec<Request> {
+        let request = |&(accuracy, requested): &(Accuracy, f64)| match accuracy {
+            Accuracy::MapError => Some(Request::MapError(requested)),
+            Accuracy::Intrinsic(j) => {
+                self.estimated.get(j).map(|&intrinsic| Request::Sigma { intrinsic, sigma: requested })
+            }
+        };
+        self.selection.goal.accuracies().iter().filter_map(request).collect()
     }
 
     /// What a planned view measures, with all its pictures.

@@ -8,7 +8,7 @@ use calipose::problem::Problem;
 use calipose::verification::simulate;
 use serde_json::{Value, json};
 
-use crate::desk::Desk;
+use crate::desk::{Desk, text};
 
 /// What in `value` is not as `schema` says, with the place. Stricter than JSON Schema in one thing: a key that the schema does
 /// not describe is a fault. Knows the words that the program's schemas use, and refuses others.
@@ -211,8 +211,13 @@ fn every_document_is_as_its_schema_says() {
     ] {
         let output = desk.run(&format!("{line} --json"));
         let document = serde_json::from_slice(&output.stdout);
-        held.hold(&document.unwrap_or_else(|_| panic!("{line}: {}", crate::desk::text(&output.stderr))));
+        held.hold(&document.unwrap_or_else(|_| panic!("{line}: {}", text(&output.stderr))));
     }
+    // The tour's events are several.
+    let events = text(&desk.run("follow out/plan.json --watch . --json").stdout);
+    events.lines().for_each(|event| held.hold(&serde_json::from_str(event).unwrap()));
+    let state = desk.path("out/follow.json");
+    held.hold_file(&state);
     let study = "problems = [\"coarse.toml\"]\nset = [\"sweep.step_deg=20\"]\n[simulate]\ntrials = 2\n[[factors]]\nkey = \
                  \"noise.sigma_px\"\nvalues = [0.3, 0.6]\n";
     std::fs::write(desk.path("study.toml"), study).unwrap();

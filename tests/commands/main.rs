@@ -12,6 +12,7 @@ mod diff;
 mod documents;
 mod explain_and_polish;
 mod export;
+mod follow;
 mod next_poses;
 mod noise;
 mod off_grid;

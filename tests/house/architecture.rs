@@ -32,7 +32,7 @@ const ORDER: [&str; 22] = [
 ];
 
 /// The files and rooms in a room; each may use those before it, and all may use the room's own `mod.rs`.
-const ROOMS: [(&str, &[&str]); 51] = [
+const ROOMS: [(&str, &[&str]); 53] = [
     (
         "selection",
         &[
@@ -243,6 +243,7 @@ const ROOMS: [(&str, &[&str]); 51] = [
             "views",
             "problem",
             "answers",
+            "follow",
             "review",
             "study",
             "design",
@@ -254,10 +255,27 @@ const ROOMS: [(&str, &[&str]); 51] = [
     (
         "plan::assess",
         &[
-            "locate", "compare", "explain", "verify", "forecast", "polish", "next", "reach", "review", "certify",
-            "score", "diff",
+            "locate", "compare", "explain", "verify", "forecast", "polish", "next", "follow", "reach", "review",
+            "certify", "score", "diff",
         ],
     ),
+    (
+        "plan::assess::follow",
+        &[
+            "answer",
+            "until",
+            "ways",
+            "picture",
+            "mismatch",
+            "knowledge",
+            "doubt",
+            "announcement",
+            "further",
+            "tour",
+            "events",
+        ],
+    ),
+    ("plan::document::follow", &["state", "event"]),
     ("plan::assess::score", &["why", "pose", "swaps"]),
     ("plan::document::study", &["cell", "summary", "work"]),
     ("experiment", &["file", "reading", "base", "factor", "stages", "study", "engine", "codesign"]),

@@ -11,6 +11,7 @@ pub(crate) mod diff;
 pub(crate) mod explain;
 pub(crate) mod export;
 pub(crate) mod figures;
+pub(crate) mod follow;
 pub(crate) mod init;
 pub(crate) mod next;
 pub(crate) mod noise;

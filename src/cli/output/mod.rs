@@ -44,6 +44,11 @@ impl Screen {
         if self.json { Self::print(document.to_json().trim_end()) } else { Ok(()) }
     }
 
+    /// Prints the document on a line of its own, if the user asked for JSON: one of several.
+    pub(crate) fn line(&mut self, document: &impl Document) -> Result<(), Failure> {
+        if self.json { Self::print(&document.to_line()) } else { Ok(()) }
+    }
+
     /// Prints what was asked for whatever the flags.
     pub(crate) fn print(text: &str) -> Result<(), Failure> {
         match writeln!(std::io::stdout().lock(), "{text}") {

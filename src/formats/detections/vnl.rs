@@ -11,6 +11,7 @@ use nalgebra::Vector2;
 
 use super::known::Known;
 use super::listed_image::{Detected, LARGEST_PIXEL, ListedImage, ListedImages};
+use crate::calibration::{Corner, Observations};
 use crate::formats::error::{ReadError, ReadFault};
 use crate::formats::tree::Located;
 use crate::target::Board;
@@ -34,6 +35,19 @@ pub(super) fn read(text: &str, known: &Known) -> Result<ListedImages, ReadError>
     let (board, size) = (known.board(None, 1)?, known.image_size(None, 1)?);
     let images = table(text, &board)?;
     Ok(ListedImages { board, size, images })
+}
+
+/// The table of views with those names: words, none twice.
+pub(super) fn write(observations: &Observations, names: &[String]) -> String {
+    let mut text = "# filename x y weight\n".to_owned();
+    for (view, name) in observations.views().iter().zip(names) {
+        let mut lines = vec![format!("{name} - - -\n"); observations.board().corner_count()];
+        for Corner { index, pixel, weight } in view {
+            lines[*index] = format!("{name} {} {} {weight}\n", pixel.x, pixel.y);
+        }
+        text.extend(lines);
+    }
+    text
 }
 
 /// The images of the table.

@@ -10,6 +10,7 @@ use super::answers::{
     NextDocument, NoiseDocument, PicturesDocument, ScoreDocument, Verification,
 };
 use super::design::{DesignCheckDocument, DesignDocument};
+use super::follow::{FollowEvent, FollowState};
 use super::header::Document;
 use super::plan::{Plan, PolishedPlan, Run};
 use super::problem::{BoardDocument, CheckDocument, InitDocument, ReachDocument, SweepDocument};
@@ -29,12 +30,14 @@ pub struct Kind {
 
 impl Kind {
     /// Every kind, those first that are written beside a plan.
-    pub const ALL: [Self; 29] = [
+    pub const ALL: [Self; 31] = [
         Self::of::<Plan>(),
         Self::of::<Run>(),
         Self::of::<Verification>(),
         Self::of::<PolishedPlan>(),
         Self::of::<NextDocument>(),
+        Self::of::<FollowState>(),
+        Self::of::<FollowEvent>(),
         Self::of::<Explanation>(),
         Self::of::<Review>(),
         Self::of::<FiguresDocument>(),

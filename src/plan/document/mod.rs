@@ -3,6 +3,7 @@
 mod answers;
 mod design;
 mod error_grid;
+mod follow;
 mod header;
 mod kind;
 mod plan;
@@ -25,6 +26,10 @@ pub use design::{
     DesignCheckDocument, DesignDocument, DesignMap, DesignProof, FreeValue, Sensitivity, SensitivityPoint, SetUp,
 };
 pub use error_grid::ErrorGrid;
+pub use follow::{
+    AddedPose, AnnouncedPose, CountedPicture, EventKind, FollowEnd, FollowEvent, FollowReadError, FollowState,
+    KnownSoFar, Outcome, SeenCorner, TakenPicture, Visit, WhyEnded,
+};
 pub(crate) use header::finite;
 pub use header::{Document, Header, ProblemReference};
 pub use kind::Kind;

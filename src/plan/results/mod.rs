@@ -21,8 +21,11 @@ pub const PLAN_FILE: &str = "plan.json";
 /// Name of the file with the hashes.
 pub const RUN_FILE: &str = "run.json";
 
+/// Name of the file that tells how far the plan was carried out.
+pub const FOLLOW_FILE: &str = "follow.json";
+
 /// Files beside a plan that not every run writes; those of one plan must not stay beside another.
-pub const OPTIONAL_FILES: [&str; 8] = [
+pub const OPTIONAL_FILES: [&str; 9] = [
     "verification.json",
     "report.html",
     "views.csv",
@@ -31,6 +34,7 @@ pub const OPTIONAL_FILES: [&str; 8] = [
     "polished.csv",
     "next.json",
     "next.csv",
+    FOLLOW_FILE,
 ];
 
 impl Run {
@@ -78,15 +82,39 @@ fn enter(folder: &Path, run: &mut Run, files: &[(&str, Vec<u8>)]) -> Vec<&'stati
 pub fn add_results(path: &Path, plan: &[u8], run: Option<&Run>, files: &[(&str, Vec<u8>)]) -> Result<(), FileError> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let held = Held::new(folder)?;
-    if std::fs::read(path).is_ok_and(|now| now != plan) {
-        let source = std::io::Error::other(format!("{} was replaced meanwhile", path.display()));
-        let path = folder.join(files.first().map_or("", |(name, _)| name));
-        return Err(FileError { path, source, done: Vec::new() });
-    }
+    still_there(path, plan, files.first().map_or("", |(name, _)| name))?;
     let run = run.cloned().or_else(|| Run::read(folder).filter(|run| run.files.get(PLAN_FILE) == Some(&hash(plan))));
     let Some(mut run) = run else { return held.write(files, &[]) };
     run.files.extend(files.iter().map(|(name, bytes)| ((*name).to_owned(), hash(bytes))));
     held.write(&with_run(&run.to_json(), files), &[])
+}
+
+/// Writes the file `name` with `bytes` beside the plan at `path`, whose contents are `plan`, in place of `before`, what was written there
+/// last. `run.json` does not tell of it: it changes while the plan is carried out, and a run killed between the two would make the plan
+/// look torn.
+///
+/// # Errors
+/// When the file cannot be written, and when the plan or the file was replaced meanwhile.
+pub fn keep_beside(path: &Path, plan: &[u8], name: &str, before: Option<&[u8]>, bytes: &[u8]) -> Result<(), FileError> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let held = Held::new(folder)?;
+    still_there(path, plan, name)?;
+    let path = folder.join(name);
+    if before.is_some_and(|before| std::fs::read(&path).is_ok_and(|now| now != before)) {
+        let source = std::io::Error::other("another program wrote it meanwhile");
+        return Err(FileError { path, source, done: Vec::new() });
+    }
+    held.write(&[(name, bytes)], &[])
+}
+
+/// That the plan at `path` is still `plan`, before the file `name` is written beside it.
+fn still_there(path: &Path, plan: &[u8], name: &str) -> Result<(), FileError> {
+    if std::fs::read(path).is_ok_and(|now| now != plan) {
+        let source = std::io::Error::other(format!("{} was replaced meanwhile", path.display()));
+        let path = path.parent().unwrap_or(Path::new("")).join(name);
+        return Err(FileError { path, source, done: Vec::new() });
+    }
+    Ok(())
 }
 
 /// The files to write, `run.json` first.
@@ -139,7 +167,8 @@ pub fn hold_to_read(path: &Path) -> Option<std::fs::File> {
     Held::to_read(path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new(".")))
 }
 
-fn hash(bytes: &[u8]) -> String {
+/// SHA-256 of a file's bytes, in hexadecimal.
+pub fn hash(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().fold(String::new(), |hex, byte| format!("{hex}{byte:02x}"))
 }
 
@@ -265,5 +294,27 @@ mod tests {
         let error = add_results(&folder.join(PLAN_FILE), b"another plan", None, &made).unwrap_err();
         assert!(error.source.to_string().contains("replaced meanwhile"));
         assert_eq!(contents(folder), before);
+    }
+
+    #[test]
+    fn what_changes_with_the_tour_is_kept_beside_its_plan_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let folder = folder.path();
+        old(folder);
+        let plan = folder.join(PLAN_FILE);
+        let keep = |before: Option<&[u8]>, bytes: &[u8]| {
+            keep_beside(&plan, b"plan.json old", FOLLOW_FILE, before, bytes).map_err(|error| error.source.to_string())
+        };
+        keep(None, b"1").unwrap();
+        keep(Some(b"1"), b"2").unwrap();
+        // It is in nobody's way, and stays with its plan.
+        assert_eq!(check_results(&plan), [""; 0]);
+        assert_eq!(write_results(folder, &mut run(), &files(&["plan.csv", PLAN_FILE], "old")).unwrap(), [""; 0]);
+        assert!(keep(Some(b"1"), b"3").unwrap_err().contains("another program wrote it"));
+        assert_eq!(std::fs::read(folder.join(FOLLOW_FILE)).unwrap(), b"2");
+        let removed = write_results(folder, &mut run(), &files(&["plan.csv", PLAN_FILE], "new")).unwrap();
+        assert!(removed.contains(&FOLLOW_FILE));
+        assert!(keep(None, b"3").unwrap_err().contains("replaced meanwhile"));
+        assert!(!folder.join(FOLLOW_FILE).exists());
     }
 }

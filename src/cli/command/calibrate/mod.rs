@@ -1,5 +1,6 @@
 //! `calipose calibrate`.
 
+pub(super) mod files;
 mod parameters;
 mod summary;
 
@@ -16,17 +17,15 @@ use crate::calibration::{
 };
 use crate::camera::{Camera, Lens};
 use crate::cli::by_name;
-use crate::cli::interrupt::writing;
 use crate::cli::known::{KnownArguments, read_detections, window};
 use crate::cli::output::Screen;
 use crate::cli::output::failure::Failure;
 use crate::cli::output::verdict::Verdict;
 use crate::formats::{CameraFormat, Detections, Known};
 use crate::information::{Blur, NoiseModel, NoiseName};
-use crate::plan::document::{CalibrationDocument, Document, ProblemReference};
-use crate::plan::results::{probe, write_together};
-use crate::problem::{Accuracy, Problem};
-use crate::report::calibration_page;
+use crate::plan::document::{CalibrationDocument, ProblemReference};
+use crate::plan::results::probe;
+use crate::problem::Problem;
 use crate::target::{Board, Warp};
 
 #[derive(Debug, Args)]
@@ -134,26 +133,10 @@ pub(crate) fn run(arguments: &CalibrateArguments, screen: &mut Screen) -> Result
     let assessment = Assessment::new(observations, &calibration, loss, other, &setting.requested);
     let problem = setting.problem.as_ref().map(ProblemReference::new);
     let document = CalibrationDocument::new(problem, &found, &calibration, &assessment);
-    let page = calibration_page(&document).into_bytes();
-    let mut files = vec![("calibration.json", document.to_json().into_bytes()), ("calibration.html", page)];
-    let mut left_out = String::new();
-    for format in formats {
-        match format.write(&calibration.camera) {
-            Ok(text) => files.push((format.file_name(), text.into_bytes())),
-            Err(error) if arguments.camera_format == CameraFiles::All => {
-                left_out += &format!("\nNot written: {}, because {error}.", format.file_name());
-            }
-            Err(error) => return Err(Failure::Usage(error.to_string())),
-        }
-    }
-    // Camera files beside an older calibration are of that.
-    let is_ours = arguments.output.join("calibration.json").exists();
-    let stale: Vec<&str> = CameraFormat::ALL.iter().filter(|_| is_ours).map(|format| format.file_name()).collect();
-    writing(|| write_together(&arguments.output, &files, &stale))?;
+    let is_all = arguments.camera_format == CameraFiles::All;
+    let written = files::write(&arguments.output, &document, &calibration.camera, (&formats, is_all), Vec::new())?;
     screen.document(&document)?;
-    let written: Vec<&str> = files.iter().map(|(name, _)| *name).collect();
-    let (folder, written) = (arguments.output.display(), written.join(", "));
-    screen.text(&format!("{}\nWritten to {folder}: {written}.{left_out}", text(&found, &calibration, &assessment)))?;
+    screen.text(&format!("{}\n{written}", text(&found, &calibration, &assessment)))?;
     Ok(Verdict::good_if(!assessment.judgement.is_bad()))
 }
 
@@ -168,18 +151,7 @@ struct Setting {
 impl Setting {
     fn read(arguments: &CalibrateArguments) -> Result<Self, Failure> {
         let (problem, known) = arguments.known.read()?;
-        let request = |problem: &Problem, &(accuracy, requested): &(Accuracy, f64)| match accuracy {
-            Accuracy::MapError => Some(Request::MapError(requested)),
-            Accuracy::Intrinsic(j) => {
-                problem.estimated.get(j).map(|&intrinsic| Request::Sigma { intrinsic, sigma: requested })
-            }
-        };
-        let mut requested: Vec<Request> = problem
-            .iter()
-            .flat_map(|problem| {
-                problem.selection.goal.accuracies().iter().filter_map(|accuracy| request(problem, accuracy))
-            })
-            .collect();
+        let mut requested = problem.as_ref().map(Problem::requests).unwrap_or_default();
         if let Some(map_error) = arguments.map_error {
             requested.retain(|request| !matches!(request, Request::MapError(_)));
             requested.push(Request::MapError(map_error));

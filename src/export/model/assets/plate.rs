@@ -116,7 +116,7 @@ mod tests {
         // In the middle of each square, and in the white around.
         for (x, y) in (-3..=3).flat_map(|i| (-3..=3).map(move |j| (0.01 * f64::from(i), 0.01 * f64::from(j)))) {
             let (x, y) = (x + 1e-3, y + 1e-3);
-            let u = ((x / half[0] + 1.0) / 2.0 * f64::from(width)) as u32;
+            let u = (f64::midpoint(x / half[0], 1.0) * f64::from(width)) as u32;
             let v = ((1.0 - y / half[1]) / 2.0 * f64::from(height)) as u32;
             let expected = if pattern.is_black(x, y) == Some(true) { 0 } else { 255 };
             assert_eq!(grey[(v * width + u) as usize], expected, "{x} {y}");

@@ -61,18 +61,13 @@ impl Proposal {
     /// What is written of the poses proposed beside those of `plan`, with the `calibration` of the views taken so far and their
     /// `names`.
     pub fn document(&self, plan: &Plan, calibration: &Calibration, names: &[String]) -> NextDocument {
-        let Calibration { camera, estimated, .. } = calibration;
         let name = |view: usize| names.get(view).cloned();
         NextDocument {
             header: NextDocument::header(),
             problem: plan.problem.clone(),
             views: names.len(),
             pictures: plan.pictures,
-            intrinsics: EstimatedIntrinsics {
-                names: estimated.iter().map(|&i| camera.lens().parameter_names()[i].into()).collect(),
-                values: estimated.iter().map(|&i| camera.intrinsics()[i]).collect(),
-                sigma: estimated.iter().map(|&i| calibration.sigma_of(i)).collect(),
-            },
+            intrinsics: EstimatedIntrinsics::new(calibration),
             known_map_error_px: finite(self.known),
             expected_map_error_px: finite(self.expected),
             simulated_map_error_px: self.rehearsal.map(|simulated| SimulatedMapError {
@@ -90,6 +85,23 @@ impl Proposal {
     }
 }
 
+/// The problem with what `calibration` found of camera and noise in the place of what is stated.
+pub(super) fn after(problem: &Problem, calibration: &Calibration) -> Problem {
+    let mut problem = Problem {
+        camera: calibration.camera.clone(),
+        noise: Noise { sigma: calibration.sigma, model: problem.noise.model.through(&calibration.camera) },
+        ..problem.clone()
+    };
+    // Of the camera more is known now than was stated.
+    if let Some(robust) = &mut problem.robust {
+        let Uncertainty { focal_length, principal_point, intrinsics, .. } = &mut robust.uncertainty;
+        (*focal_length, *principal_point) = (0.0, 0.0);
+        intrinsics.clear();
+    }
+    problem.robust = problem.robust.filter(|robust| !robust.uncertainty.is_none());
+    problem
+}
+
 /// Proposes the poses of `problem` that teach most beside what `calibration` of the views taken so far, `observations`, knows; only
 /// such that repeat none of those views if `is_new`. The candidates are surveyed anew with the calibrated camera and its noise.
 ///
@@ -103,18 +115,7 @@ pub fn next(
     is_new: bool,
     observe: &(dyn Fn(usize) + Sync),
 ) -> Result<Proposal, PlanError> {
-    let mut problem = Problem {
-        camera: calibration.camera.clone(),
-        noise: Noise { sigma: calibration.sigma, model: problem.noise.model.through(&calibration.camera) },
-        ..problem.clone()
-    };
-    // Of the camera more is known now than was stated.
-    if let Some(robust) = &mut problem.robust {
-        let Uncertainty { focal_length, principal_point, intrinsics, .. } = &mut robust.uncertainty;
-        (*focal_length, *principal_point) = (0.0, 0.0);
-        intrinsics.clear();
-    }
-    problem.robust = problem.robust.filter(|robust| !robust.uncertainty.is_none());
+    let mut problem = after(problem, calibration);
     let survey = refined_survey(&problem, observe)?;
     let taken = Taken::new(observations, &calibration.camera);
     if is_new {

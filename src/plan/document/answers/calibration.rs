@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::calibration::{Assessment, Calibration, Corner, residuals};
+use crate::calibration::{AccuracyReached, Assessment, Calibration, Corner, residuals};
 use crate::formats::Detections;
 use crate::plan::document::error_grid::ErrorGrid;
 use crate::plan::document::header::{Document, Header, ProblemReference, finite};
@@ -188,6 +188,26 @@ impl Document for CalibrationDocument {
     const VERSION: u32 = 2;
 }
 
+impl EstimatedIntrinsics {
+    /// Those of a calibration that were estimated.
+    pub fn new(calibration: &Calibration) -> Self {
+        let Calibration { camera, estimated, .. } = calibration;
+        Self {
+            names: estimated.iter().map(|&i| camera.lens().parameter_names()[i].into()).collect(),
+            values: estimated.iter().map(|&i| camera.intrinsics()[i]).collect(),
+            sigma: estimated.iter().map(|&i| calibration.sigma_of(i)).collect(),
+        }
+    }
+}
+
+impl RequestedAccuracy {
+    /// Of an accuracy of a calibration.
+    pub fn new(accuracy: &AccuracyReached) -> Self {
+        let AccuracyReached { what, limit, reached } = accuracy;
+        Self { what: what.clone(), requested: *limit, reached: finite(*reached) }
+    }
+}
+
 impl BoardWarp {
     /// Of heights and their standard deviations, m.
     fn new([[x, x_sigma], [y, y_sigma]]: [[f64; 2]; Warp::HEIGHTS]) -> Self {
@@ -234,11 +254,7 @@ impl CalibrationDocument {
                 standardised: finite(outlier.standardised),
             }
         });
-        let requested = requested.iter().map(|request| RequestedAccuracy {
-            what: request.what.clone(),
-            requested: request.limit,
-            reached: finite(request.reached),
-        });
+        let requested = requested.iter().map(RequestedAccuracy::new);
         Self {
             header: Self::header(),
             problem,

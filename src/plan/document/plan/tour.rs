@@ -168,7 +168,8 @@ fn names(danger: Danger, tree: &Tree) -> Vec<String> {
 }
 
 impl MoveDocument {
-    fn new(Move { via, seconds, safety }: &Move, tree: &Tree) -> Self {
+    /// Of a move of a robot with those links.
+    pub(crate) fn new(Move { via, seconds, safety }: &Move, tree: &Tree) -> Self {
         // Moves that take the same time say so to the last digit.
         let seconds = (seconds * 1e9).round() / 1e9;
         Self { seconds, via_rad: via.clone(), ..Self::of_safety(safety.as_ref(), tree) }
