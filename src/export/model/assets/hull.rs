@@ -1,6 +1,6 @@
 //! The convex hull of points as triangles.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Matrix3, Point3, Vector3};
 use parry3d_f64::transformation::try_convex_hull;
 
 use super::mesh::Mesh;
@@ -8,42 +8,56 @@ use super::mesh::Mesh;
 /// Half the thickness in m that what is flat is given: simulators take no surface without volume.
 const HALF: f64 = 5e-5;
 
-/// What counts as flat: less volume than this share of the cube around it.
-const FLAT: f64 = 1e-6;
-
-/// The hull of `points`, thickened where they lie in a plane; none of no points.
+/// The hull of `points`, thickened along the principal axes along which they hardly extend; none of no points.
+///
+/// It is found where the points fill a cube: of thin sets as they lie the faces would be lost to rounding.
 pub(super) fn hull(points: &[Point3<f64>]) -> Option<Mesh> {
-    let first = *points.first()?;
-    let (low, high) = points.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
-    let cube = (high - low).max().powi(3);
-    let has_volume = |mesh: &Mesh| volume(mesh) > FLAT * cube;
-    triangulated(points).filter(has_volume).or_else(|| triangulated(&thickened(points)))
-}
-
-/// The hull where it can be found.
-fn triangulated(points: &[Point3<f64>]) -> Option<Mesh> {
-    let (vertices, triangles) = try_convex_hull(points).ok()?;
-    let triangles = triangles.into_iter().map(|triangle| triangle.map(|vertex| [vertex as usize, 0])).collect();
-    Some(Mesh { vertices, places: Vec::new(), triangles })
-}
-
-/// Six points around each: all that is within `HALF` of it along an axis.
-fn thickened(points: &[Point3<f64>]) -> Vec<Point3<f64>> {
-    let ways = [Vector3::x(), Vector3::y(), Vector3::z()];
-    points.iter().flat_map(|point| ways.iter().flat_map(move |way| [point + way * HALF, point - way * HALF])).collect()
-}
-
-/// Volume inside, m³.
-fn volume(mesh: &Mesh) -> f64 {
-    let Some(origin) = mesh.vertices.first() else { return 0.0 };
-    let corner = |[vertex, _]: [usize; 2]| mesh.vertices[vertex] - origin;
-    let tetrahedron = |&[a, b, c]: &[[usize; 2]; 3]| corner(a).dot(&corner(b).cross(&corner(c))) / 6.0;
-    mesh.triangles.iter().map(tetrahedron).sum()
+    let count = points.len() as f64;
+    let centre = points.iter().map(|point| point.coords).reduce(|a, b| a + b)? / count;
+    let moments: Matrix3<f64> =
+        points.iter().map(|point| (point.coords - centre) * (point.coords - centre).transpose()).sum();
+    let mut axes = moments.symmetric_eigen().eigenvectors;
+    if axes.determinant() < 0.0 {
+        axes.column_mut(0).neg_mut();
+    }
+    let mut along: Vec<Vector3<f64>> = points.iter().map(|point| axes.tr_mul(&(point.coords - centre))).collect();
+    let mut extent = Vector3::zeros();
+    for axis in 0..3 {
+        extent[axis] = along.iter().map(|point| point[axis].abs()).fold(0.0, f64::max);
+        if extent[axis] < HALF {
+            extent[axis] = HALF;
+            let sides = |point: &Vector3<f64>| {
+                [HALF, -HALF].map(|side| {
+                    let mut point = *point;
+                    point[axis] = side;
+                    point
+                })
+            };
+            along = along.iter().flat_map(sides).collect();
+        }
+    }
+    let cube: Vec<Point3<f64>> = along.iter().map(|point| point.component_div(&extent).into()).collect();
+    let (vertices, triangles) = try_convex_hull(&cube).ok()?;
+    let back = |vertex: &Point3<f64>| Point3::from(centre + axes * vertex.coords.component_mul(&extent));
+    Some(Mesh {
+        vertices: vertices.iter().map(back).collect(),
+        places: Vec::new(),
+        triangles: triangles.into_iter().map(|triangle| triangle.map(|vertex| [vertex as usize, 0])).collect(),
+    })
 }
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Rotation3;
+
     use super::*;
+
+    /// Volume inside, m³.
+    fn volume(mesh: &Mesh) -> f64 {
+        let corner = |[vertex, _]: [usize; 2]| mesh.vertices[vertex] - mesh.vertices[0];
+        let tetrahedron = |&[a, b, c]: &[[usize; 2]; 3]| corner(a).dot(&corner(b).cross(&corner(c))) / 6.0;
+        mesh.triangles.iter().map(tetrahedron).sum()
+    }
 
     fn grid(sides: [usize; 3], step: f64) -> Vec<Point3<f64>> {
         let at = |i: usize, count: usize| i as f64 / (count.max(2) - 1) as f64 * step;
@@ -59,12 +73,20 @@ mod tests {
         assert_eq!(mesh.triangles.len(), 12);
     }
 
+    /// However it lies.
     #[test]
     fn what_is_flat_thin_or_a_point_gets_a_little_volume() {
-        for (sides, most) in [([4, 3, 1], 1e-5), ([5, 1, 1], 1e-8), ([1, 1, 1], 1e-12)] {
-            let mesh = hull(&grid(sides, 0.2)).unwrap();
-            let found = volume(&mesh);
-            assert!(found > 0.0 && found < most, "{sides:?} {found}");
+        let turns =
+            (0..20).map(f64::from).map(|turn| Rotation3::from_euler_angles(0.3 * turn, 0.17 * turn, 0.05 * turn));
+        for turn in turns {
+            let thick = 2.0 * HALF;
+            for (sides, expected) in
+                [([4, 3, 1], 0.04 * thick), ([5, 1, 1], 0.2 * thick * thick), ([1, 1, 1], thick * thick * thick)]
+            {
+                let points: Vec<Point3<f64>> = grid(sides, 0.2).iter().map(|point| turn * point).collect();
+                let mesh = hull(&points).unwrap();
+                assert!((volume(&mesh) / expected - 1.0).abs() < 1e-3, "{sides:?} {} {expected}", volume(&mesh));
+            }
         }
         assert_eq!(hull(&[]), None);
     }

@@ -91,15 +91,16 @@ impl Doubt {
         few.into_iter().chain(still.map(|(_, other)| Self::Still { other: other.name.clone() })).collect()
     }
 
-    /// What is wrong with the last of the views, held against the others by a calibration that withstands it; nothing where they do
-    /// not give one for another reason.
+    /// What is wrong with the last of the views, held against the others by a calibration that withstands it, and by one that does not;
+    /// nothing where they do not give one for another reason.
     pub(super) fn among(problem: &Problem, observations: &Observations) -> Vec<Self> {
         let last = observations.views().len() - 1;
         let settings = settings(problem);
-        match calibrate_by(LossKind::Cauchy, observations, &problem.camera, &problem.estimated, &settings) {
-            Ok(calibration) => misfits(&calibration, last, observations.views()[last].len()),
-            Err(error) if blames(&error, last) => vec![Self::OtherBoard(error)],
-            Err(_) => Vec::new(),
+        let by = |loss| calibrate_by(loss, observations, &problem.camera, &problem.estimated, &settings);
+        match (by(LossKind::Cauchy), by(LossKind::Squared)) {
+            (Err(error), _) | (_, Err(error)) if blames(&error, last) => vec![Self::OtherBoard(error)],
+            (Ok(calibration), _) => misfits(&calibration, last, observations.views()[last].len()),
+            (Err(_), _) => Vec::new(),
         }
     }
 }
