@@ -48,16 +48,13 @@ pub(super) fn tour(review: &Review) -> Option<Figure> {
 fn clearance(timeline: &Timeline) -> Option<Strip> {
     let any = timeline.clearance.as_ref()?;
     let mut series = Vec::new();
-    let shown = match &timeline.changing_clearance {
-        Some(changing) => {
-            series.push(curve("any links", Hue::Views, timeline, any));
-            series.push(curve("links whose distance changes", Hue::Plan, timeline, changing));
-            changing
-        }
-        None => {
-            series.push(curve("", Hue::Plan, timeline, any));
-            any
-        }
+    let shown = if let Some(changing) = &timeline.changing_clearance {
+        series.push(curve("any links", Hue::Views, timeline, any));
+        series.push(curve("links whose distance changes", Hue::Plan, timeline, changing));
+        changing
+    } else {
+        series.push(curve("", Hue::Plan, timeline, any));
+        any
     };
     Some(margin_strip("Clearance [mm]", timeline, any.required_m, series, shown))
 }
@@ -100,7 +97,7 @@ fn least_in_words(timeline: &Timeline, curve: &MarginCurve) -> String {
 fn curve(name: &str, hue: Hue, timeline: &Timeline, curve: &MarginCurve) -> Series {
     let measured = || timeline.measured_s.iter().copied().zip(curve.measured_m.iter().map(|margin| 1e3 * margin));
     let before = measured().next().map(|(_, first)| (0.0, first));
-    let after = measured().last().map(|(_, last)| (timeline.end_s, last));
+    let after = measured().next_back().map(|(_, last)| (timeline.end_s, last));
     let points = before.into_iter().chain(measured()).chain(after).collect();
     Series { name: name.into(), hue, mark: Mark::Line(Line::Solid), points, titles: vec![] }
 }
