@@ -53,6 +53,14 @@ pub struct Samples {
     pub curves: Vec<Curve>,
 }
 
+/// What is measured at a time.
+struct Sample {
+    /// When, s.
+    time: f64,
+    /// Of each watch, the least margin: its number and itself, m.
+    least: Vec<(usize, f64)>,
+}
+
 /// Margins of a kind to watch along a course.
 #[derive(Debug)]
 pub struct Watch<'k> {
@@ -125,12 +133,12 @@ impl Samples {
     /// leg. The same on any number of threads.
     pub fn new(watches: &[Watch], legs: &[Leg]) -> Self {
         let most = (MOST_SAMPLES / legs.len().max(1)).max(2);
-        let of_legs: Vec<_> = legs.par_iter().map(|leg| of_leg(watches, leg, most)).collect();
+        let of_legs: Vec<Vec<Sample>> = legs.par_iter().map(|leg| of_leg(watches, leg, most)).collect();
         let mut samples = Self { times: vec![], curves: watches.iter().map(|_| Curve { least: vec![] }).collect() };
-        for (time, measured) in of_legs.into_iter().flatten() {
+        for Sample { time, least } in of_legs.into_iter().flatten() {
             if samples.times.last().is_none_or(|&last| time > last) {
                 samples.times.push(time);
-                for (curve, least) in samples.curves.iter_mut().zip(measured) {
+                for (curve, least) in samples.curves.iter_mut().zip(least) {
                     curve.least.push(least);
                 }
             }
@@ -148,7 +156,7 @@ impl Curve {
 }
 
 /// What is measured along a leg at ascending times, at most at some more than `most`.
-fn of_leg(watches: &[Watch], leg: &Leg, most: usize) -> Vec<(f64, Vec<(usize, f64)>)> {
+fn of_leg(watches: &[Watch], leg: &Leg, most: usize) -> Vec<Sample> {
     let change = |watch: &Watch| {
         let changes = watch.kind.changes(&leg.from, &leg.to);
         watch.margins.iter().map(|&margin| changes[margin]).fold(0.0, f64::max)
@@ -157,16 +165,18 @@ fn of_leg(watches: &[Watch], leg: &Leg, most: usize) -> Vec<(f64, Vec<(usize, f6
     let steps = (leg.profile.duration() / STEP).max(change / CHANGE).ceil().clamp(1.0, most as f64);
     let rounded = |time: f64| (time * TIMES_PER_SECOND).round() / TIMES_PER_SECOND;
     let at = |step: usize| rounded(leg.start + leg.profile.duration() * (step as f64 / steps));
-    let measure = |time: f64| (time, watches.iter().map(|watch| watch.least(&leg.at(time))).collect::<Vec<_>>());
-    let mut samples: Vec<_> = (0..=steps as usize).map(|step| measure(at(step))).collect();
+    let measure = |time: f64| {
+        let q = leg.at(time);
+        Sample { time, least: watches.iter().map(|watch| watch.least(&q)).collect() }
+    };
+    let mut samples: Vec<Sample> = (0..=steps as usize).map(|step| measure(at(step))).collect();
     for (i, watch) in watches.iter().enumerate() {
-        let margin = |sample: &(f64, Vec<(usize, f64)>)| sample.1[i].1;
-        let least =
-            (0..samples.len()).min_by(|&a, &b| margin(&samples[a]).total_cmp(&margin(&samples[b]))).unwrap_or(0);
-        let ends = [least.saturating_sub(1), (least + 1).min(samples.len() - 1)].map(|place| samples[place].0);
+        let margin = |&place: &usize| samples[place].least[i].1;
+        let least = (0..samples.len()).min_by(|a, b| margin(a).total_cmp(&margin(b))).unwrap_or(0);
+        let ends = [least.saturating_sub(1), (least + 1).min(samples.len() - 1)].map(|place| samples[place].time);
         let time = rounded(narrowed(ends, &|time| watch.least(&leg.at(time)).1));
-        let place = samples.partition_point(|sample| sample.0 < time);
-        if samples.get(place).is_none_or(|sample| sample.0 > time) {
+        let place = samples.partition_point(|sample| sample.time < time);
+        if samples.get(place).is_none_or(|sample| sample.time > time) {
             samples.insert(place, measure(time));
         }
     }

@@ -7,7 +7,7 @@ use crate::desk::{Desk, text};
 /// A desk with a plan of nine poses, and the plan.
 fn planned() -> (Desk, Value) {
     let desk = Desk::new();
-    let plan = desk.json("plan coarse.toml -k 9 --trials 0 -o out --json");
+    let plan = desk.json("plan coarse.toml -k 9 --set selection.tour_tolerance=0 --trials 0 -o out --json");
     (desk, plan)
 }
 
