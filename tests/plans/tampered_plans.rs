@@ -9,7 +9,7 @@ use std::path::Path;
 use crate::desk::Desk;
 use calipose::information::Criterion;
 use calipose::plan::assess::{BrokenConstraint, CertifyError, Confirmed, certify};
-use calipose::plan::choose::{Chooser, Decision, decide, refined_survey};
+use calipose::plan::choose::{Chooser, Decision, Trade, decide, refined_survey};
 use calipose::plan::document::{Document, Plan};
 use calipose::plan::survey::Survey;
 use calipose::problem::{Goal, JointRegion, Method, PoseGroup, Problem, ProblemError};
@@ -305,8 +305,9 @@ fn a_plan_for_accuracies_that_proves_less_than_it_says_is_noticed() {
     let count = made.choice.selected.len();
 
     let spaced = (0..count).map(|c| c * survey.views.len() / count).collect();
+    let trade = Some(Trade { best: None, least_seconds: Some(0.0), most_poses: None });
     let choice = chooser.assess(spaced);
-    let poor = Decision { journey: chooser.journey(&choice), choice, trade: None, ..made.clone() };
+    let poor = Decision { journey: chooser.journey(&choice), choice, trade, ..made.clone() };
     let poor = Plan::new(&chooser, &poor).unwrap();
     assert!(matches!(certify(&poor, &problem, &survey), Err(CertifyError::Accuracy { .. })));
 
