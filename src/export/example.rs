@@ -6,8 +6,13 @@ use crate::robot::JointKind;
 pub(super) const JOINTS: usize = 6;
 
 pub(super) fn joints() -> Vec<ProgramJoint> {
-    let joint =
-        |i| ProgramJoint { name: format!("joint_{i}"), kind: JointKind::Revolute, speed: 2.0, acceleration: 4.0 };
+    let joint = |i| ProgramJoint {
+        name: format!("joint_{i}"),
+        kind: JointKind::Revolute,
+        speed: 2.0,
+        acceleration: 4.0,
+        jerk: f64::INFINITY,
+    };
     (1..=JOINTS).map(joint).collect()
 }
 

@@ -8,7 +8,8 @@
 //! use calipose::export::{Program, ProgramFormat, ProgramJoint, Stop};
 //! use calipose::robot::JointKind;
 //!
-//! let joint = |name: &str| ProgramJoint { name: name.into(), kind: JointKind::Revolute, speed: 2.0, acceleration: 4.0 };
+//! let [speed, acceleration, jerk] = [2.0, 4.0, f64::INFINITY];
+//! let joint = |name: &str| ProgramJoint { name: name.into(), kind: JointKind::Revolute, speed, acceleration, jerk };
 //! let joints = [joint("waist"), joint("shoulder")];
 //! let stops = [
 //!     Stop { label: "pose 7".into(), q: vec![0.1, -0.5], seconds: 0.0, picture: true },

@@ -8,7 +8,7 @@ use crate::robot::JointKind;
 /// Longest move and longest dwell, s: a day. Also keeps every sum of them within ROS's 32 bits of seconds.
 const MOST_SECONDS: f64 = 86_400.0;
 
-/// Largest joint value, speed and acceleration, in rad or m and their rates: beyond every robot, and few digits as a decimal.
+/// Largest joint value, speed, acceleration and limited jerk, in rad or m and their rates: beyond every robot, and few digits as a decimal.
 const MOST: f64 = 1e6;
 
 /// A tour of stops, at each of which a picture is taken.
@@ -24,7 +24,7 @@ pub struct Program<'a> {
     pub home: Option<Home>,
     /// How long the robot stands at a stop, s.
     pub dwell: f64,
-    /// The share, 0.001 to 1, of the joints' greatest speeds that the robot may use; their accelerations it may use whole.
+    /// The share, 0.001 to 1, of the joints' greatest speeds that the robot may use; their accelerations and jerks it may use whole.
     pub share: f64,
 }
 
@@ -39,6 +39,8 @@ pub struct ProgramJoint {
     pub speed: f64,
     /// Greatest acceleration, rad/s² or m/s².
     pub acceleration: f64,
+    /// Greatest jerk, rad/s³ or m/s³; infinite where there is no limit.
+    pub jerk: f64,
 }
 
 /// Where the robot stands for a picture, or turns on its way.
@@ -115,6 +117,11 @@ impl Program<'_> {
         })
     }
 
+    /// Whether a joint has a limit of jerk.
+    pub(super) fn limits_jerk(&self) -> bool {
+        self.joints.iter().any(|joint| joint.jerk.is_finite())
+    }
+
     /// Whether every joint turns.
     pub(super) fn turns_only(&self) -> bool {
         self.joints.iter().all(|joint| joint.kind == JointKind::Revolute)
@@ -146,7 +153,8 @@ impl Program<'_> {
             if name.is_empty() || !names.insert(name) {
                 return Err(ExportError::JointName { name: name.to_owned() });
             }
-            for (what, value) in [("speed", joint.speed), ("acceleration", joint.acceleration)] {
+            let jerk = if joint.jerk == f64::INFINITY { MOST } else { joint.jerk };
+            for (what, value) in [("speed", joint.speed), ("acceleration", joint.acceleration), ("jerk", jerk)] {
                 within(&format!("the greatest {what} of \"{name}\""), value, 1e-9, MOST, "1e-9 to 1e6 in SI units")?;
             }
         }

@@ -210,7 +210,7 @@ mod tests {
 
     /// To 1 and, after a second's rest, on to 3.
     fn legs() -> Vec<Leg> {
-        let limits = [JointLimits { speed: 1.0, acceleration: 1.0 }];
+        let limits = [JointLimits::new(1.0, 1.0)];
         let leg = |start: f64, from: f64, to: f64| {
             let profile = Profile::between(&[from], &[to], &limits);
             Leg { start, from: vec![from], to: vec![to], profile }

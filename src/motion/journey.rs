@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
+use super::limits::JointLimits;
 use super::safety::{Danger, Safety};
-use super::timing::{JointLimits, duration};
+use super::timing::duration;
 use super::tour::{Costs, Ends, Tour, cost, tour};
 use super::way::{Effort, Failure, Precision, Settings, Space, find, prove};
 use crate::robot::{Limits, Robot};

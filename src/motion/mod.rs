@@ -2,10 +2,12 @@
 
 pub mod course;
 pub mod journey;
+mod limits;
 mod safety;
 pub mod timing;
 pub mod tour;
 pub mod way;
 
+pub use limits::JointLimits;
 pub use safety::{Danger, MarginKind, Safety};
-pub use timing::{JointLimits, duration};
+pub use timing::duration;

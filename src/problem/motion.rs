@@ -5,7 +5,7 @@ use crate::motion::JointLimits;
 /// How the robot goes from pose to pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MotionSettings {
-    /// The greatest speeds and accelerations of the joints.
+    /// The greatest speeds, accelerations and jerks of the joints.
     pub greatest: Vec<JointLimits>,
     /// The share of them at which the robot moves, above 0 and up to 1.
     pub share: f64,
@@ -20,11 +20,7 @@ pub struct MotionSettings {
 impl MotionSettings {
     /// What the joints do at most.
     pub fn limits(&self) -> Vec<JointLimits> {
-        let at_share = |greatest: &JointLimits| JointLimits {
-            speed: self.share * greatest.speed,
-            acceleration: self.share * greatest.acceleration,
-        };
-        self.greatest.iter().map(at_share).collect()
+        self.greatest.iter().map(|greatest| greatest.at_share(self.share)).collect()
     }
 }
 

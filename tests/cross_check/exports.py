@@ -6,7 +6,7 @@ Asserts that joint values survive (to the last bit in YAML, CSV and URScript; to
 right, in tours with odd names, with a track, with four joints, and that robots a format has not are refused:
 
 - YAML: PyYAML's libyaml, which ROS's parameters are read with, and ruamel.yaml (YAML 1.2); JointTrajectory also through rosbags, which
-  serialises it as CDR and reads it back; the cubics between its points, sampled, keep to the joints' speeds and accelerations.
+  serialises it as CDR and reads it back; the cubics between its points, or where jerk is limited the quintics, sampled, keep to the joints' speeds, accelerations and jerks.
 - CSV: pandas.
 - RAPID: the grammar of rapidchecker.
 - KRL: krllint, a checker of style, and a grammar of our own.
@@ -47,6 +47,8 @@ class Tour:
         self.slides = np.array([joint["prismatic"] for joint in said["joints"]])
         self.speed = said["share"] * np.array([joint["speed"] for joint in said["joints"]])
         self.acceleration = np.array([joint["acceleration"] for joint in said["joints"]])
+        # Infinite where there is no limit.
+        self.jerk = np.array([joint["jerk"] or np.inf for joint in said["joints"]])
         self.dwell, self.share = said["dwell"], said["share"]
         pictures = [stop for stop in said["stops"] if stop["picture"]]
         self.stops = np.array([stop["q"] for stop in pictures])
@@ -106,12 +108,12 @@ def ros2_goals(tour):
     return f"{len(goals)} goals, every {wait} s"
 
 
-def cubic_peaks(begin, end, seconds):
-    """Greatest speeds and accelerations of the cubic at rest at both ends, sampled."""
-    t = np.linspace(0, seconds, 20001)
-    way = begin + (end - begin) * (3 * (t / seconds) ** 2 - 2 * (t / seconds) ** 3)[:, None]
-    speed = np.diff(way, axis=0) / t[1]
-    return np.abs(speed).max(axis=0), np.abs(np.diff(speed, axis=0) / t[1]).max(axis=0)
+def peaks(begin, end, seconds, eased):
+    """Greatest speeds, accelerations and jerks of the cubic, or the quintic, at rest at both ends, sampled."""
+    t = np.linspace(0, 1, 20001)
+    share = np.polynomial.Polynomial([0, 0, 0, 10, -15, 6] if eased else [0, 0, 3, -2])
+    rates = [np.abs(share.deriv(order)(t)).max() / seconds**order for order in (1, 2, 3)]
+    return [rate * np.abs(end - begin) for rate in rates]
 
 
 def joint_trajectory(tour):
@@ -138,6 +140,8 @@ def joint_trajectory(tour):
     assert read.joint_names == tour.names
     assert all(len(point.velocities) == len(tour.names) and not np.any(point.velocities) for point in read.points)
     assert all(0 <= point.time_from_start.nanosec < 1e9 for point in read.points)
+    eased = bool(np.isfinite(tour.jerk).any())
+    assert all(len(point.accelerations) == eased * len(tour.names) and not np.any(point.accelerations) for point in read.points)
     at = [(point.positions, point.time_from_start.sec + point.time_from_start.nanosec * 1e-9) for point in read.points]
     before, stretched = None, 0
     for label, q, seconds, dwell in tour.visits:
@@ -147,8 +151,8 @@ def joint_trajectory(tour):
             assert arrival[1] >= 5
         else:
             takes = arrival[1] - before[1]
-            speed, acceleration = cubic_peaks(before[0], q, takes)
-            used = max((speed / tour.speed).max(), (acceleration / tour.acceleration).max())
+            greatest = peaks(before[0], q, takes, eased)
+            used = max((peak / most).max() for peak, most in zip(greatest, (tour.speed, tour.acceleration, tour.jerk)))
             assert used <= 1 + 1e-6 and takes >= seconds - 2e-9, (label, used, takes)
             assert abs(takes - seconds) < 2e-9 or used > 0.999, f"{label} takes {takes} s, needlessly"
             stretched += takes > seconds + 1e-6
@@ -157,7 +161,7 @@ def joint_trajectory(tour):
             before = at.pop(0)
             assert np.array_equal(before[0], q) and abs(before[1] - arrival[1] - dwell) < 2e-9
     assert not at
-    return f"{len(read.points)} points, {stretched} moves longer than planned for the cubic's sake"
+    return f"{len(read.points)} points, {stretched} moves longer than planned for the curve's sake"
 
 
 def robot_calibration(tour):

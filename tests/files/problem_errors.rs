@@ -354,6 +354,8 @@ const WRONG: &[(&str, &str, &str)] = &[
     ("acceleration_zero", "[selection]", "[motion]\nmax_acceleration_deg_s2 = { turn = 0 }\n\n[selection]"),
     ("acceleration_in_another_unit", "[selection]", "[motion]\nmax_acceleration_deg_s2 = { slide = 5 }\n\n[selection]"),
     ("acceleration_of_no_joint", "[selection]", "[motion]\nmax_acceleration_mm_s2 = { slid = 5 }\n\n[selection]"),
+    ("jerk_zero", "[selection]", "[motion]\nmax_jerk_mm_s3 = { slide = 0 }\n\n[selection]"),
+    ("jerk_in_another_unit", "[selection]", "[motion]\nmax_jerk_mm_s3 = { turn = 5 }\n\n[selection]"),
     ("empty_name", "name = \"Two joints\"", "name = \" \""),
     ("empty_folder", "[selection]", "[output]\nfolder = \"\"\n\n[selection]"),
 ];

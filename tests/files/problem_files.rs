@@ -192,13 +192,15 @@ fn joints_without_a_speed_are_slow_and_reach_it_in_a_second() {
     let text = std::fs::read_to_string("problems/servosila-engineer.toml").unwrap();
     let text = text.replace("d_mm = 60\n", "d_mm = 60\nmax_speed_deg_s = 90\n");
     let motion = load(
-        &(text + "\n[motion]\nspeed_percent = 50\nmax_acceleration_deg_s2 = { elbow = 20 }\nhome = [0, 0, -90, 45]\n"),
+        &(text + "\n[motion]\nspeed_percent = 50\nmax_acceleration_deg_s2 = { elbow = 20 }\nmax_jerk_deg_s3 = { elbow = 90 }\nhome = [0, 0, -90, 45]\n"),
     )
     .motion;
-    let in_degrees =
-        |limits: &JointLimits| [limits.speed, limits.acceleration].map(|x| (x.to_degrees() * 1e9).round() / 1e9);
-    let limits: Vec<[f64; 2]> = motion.limits().iter().map(in_degrees).collect();
-    assert_eq!(limits, [[5.0, 5.0], [5.0, 5.0], [5.0, 10.0], [45.0, 45.0]]);
+    let in_degrees = |limits: &JointLimits| {
+        [limits.speed, limits.acceleration, limits.jerk].map(|x| (x.to_degrees() * 1e9).round() / 1e9)
+    };
+    let limits: Vec<[f64; 3]> = motion.limits().iter().map(in_degrees).collect();
+    let none = f64::INFINITY;
+    assert_eq!(limits, [[5.0, 5.0, none], [5.0, 5.0, none], [5.0, 10.0, 45.0], [45.0, 45.0, none]]);
     assert_eq!((motion.assumed, motion.dwell), (vec![0, 1, 2], 1.0));
     let home = motion.home.unwrap();
     assert!(home.returns && home.q == [0.0, 0.0, -90f64.to_radians(), 45f64.to_radians()]);

@@ -108,7 +108,7 @@ const ROOMS: [(&str, &[&str]); 53] = [
             "diversity",
         ],
     ),
-    ("motion", &["timing", "tour", "way", "safety", "journey", "course"]),
+    ("motion", &["limits", "timing", "tour", "way", "safety", "journey", "course"]),
     ("motion::way", &["margins", "straight", "tree", "scout", "connect", "shorten", "search"]),
     (
         "export",

@@ -143,11 +143,13 @@ fn margins_are_those_of_the_configurations_and_keep_what_is_proven() {
     assert!(off < 1e-3 && balance.least_m() < lowest + 1e-5, "{off} {lowest} {}", balance.least_m());
 }
 
-/// A tour that `tests/golden/timeline.py` reckoned.
+/// One of the tours that `tests/golden/timeline.py` reckoned.
 #[derive(Deserialize)]
 struct Golden {
     speeds: Vec<f64>,
     accelerations: Vec<f64>,
+    /// None where there is no limit.
+    jerks: Vec<Option<f64>>,
     timeline: Timeline,
     at: Vec<At>,
 }
@@ -160,22 +162,26 @@ struct At {
 
 #[test]
 fn joint_values_are_those_of_the_textbook() {
-    let Golden { speeds, accelerations, timeline, at } =
-        serde_json::from_str(include_str!("../golden/timeline.json")).unwrap();
-    let limits: Vec<JointLimits> = speeds
-        .into_iter()
-        .zip(accelerations)
-        .map(|(speed, acceleration)| JointLimits { speed, acceleration })
-        .collect();
-    let legs: Vec<_> = timeline.moves.iter().flat_map(|found| &found.legs).collect();
-    let from = once(&timeline.start).chain(legs.iter().map(|leg| &leg.to));
-    for (from, leg) in from.zip(&legs) {
-        let profile = Profile::between(from, &leg.to, &limits);
-        assert_near(&[profile.duration(), profile.ramp()], &[leg.seconds, leg.ramp_s]);
-    }
-    assert!(at.len() > 50);
-    for At { time_s, joints } in at {
-        let found = timeline.joints_at(time_s);
-        assert!(found.iter().zip(&joints).all(|(a, b)| (a - b).abs() < 1e-9), "{time_s}: {found:?} {joints:?}");
+    let tours: Vec<Golden> = serde_json::from_str(include_str!("../golden/timeline.json")).unwrap();
+    assert_eq!(tours.len(), 3);
+    for Golden { speeds, accelerations, jerks, timeline, at } in tours {
+        let limits = (0..speeds.len()).map(|j| JointLimits {
+            speed: speeds[j],
+            acceleration: accelerations[j],
+            jerk: jerks[j].unwrap_or(f64::INFINITY),
+        });
+        let limits: Vec<JointLimits> = limits.collect();
+        let legs: Vec<_> = timeline.moves.iter().flat_map(|found| &found.legs).collect();
+        let from = once(&timeline.start).chain(legs.iter().map(|leg| &leg.to));
+        for (from, leg) in from.zip(&legs) {
+            let profile = Profile::between(from, &leg.to, &limits);
+            let found = [profile.duration(), profile.ramp(), profile.ease()];
+            assert_near(&found, &[leg.seconds, leg.ramp_s, leg.ease_s]);
+        }
+        assert!(at.len() > 50);
+        for At { time_s, joints } in at {
+            let found = timeline.joints_at(time_s);
+            assert!(found.iter().zip(&joints).all(|(a, b)| (a - b).abs() < 1e-9), "{time_s}: {found:?} {joints:?}");
+        }
     }
 }

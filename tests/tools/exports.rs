@@ -25,11 +25,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     write(&folder, "odd", "while \"x\"\nEND\nmovej(0) ; é", &arm(&odd), 3, false)?;
     write(&folder, "tracked", "日本 on a track", &tracked, 5, true)?;
     write(&folder, "four", "4 joints", &arm(&plain[..4]), 4, false)?;
-    write(&folder, "seven", "seven", &seven, 2, false)
+    write(&folder, "seven", "seven", &seven, 2, false)?;
+    let eased: Vec<ProgramJoint> = arm(&plain).into_iter().map(|joint| ProgramJoint { jerk: 3.0, ..joint }).collect();
+    write(&folder, "eased", "eased", &eased, 9, true)
 }
 
 fn joint(name: &str, kind: JointKind) -> ProgramJoint {
-    ProgramJoint { name: name.to_owned(), kind, speed: 2.0, acceleration: 4.0 }
+    ProgramJoint { name: name.to_owned(), kind, speed: 2.0, acceleration: 4.0, jerk: f64::INFINITY }
 }
 
 /// Writes a tour of so many stops with values that have all their digits.
@@ -74,7 +76,8 @@ fn described(tour: &Program, files: &serde_json::Map<String, Value>) -> Value {
     json!({
         "name": tour.name,
         "joints": tour.joints.iter().map(|joint| json!({ "name": joint.name, "prismatic": is_prismatic(joint),
-            "speed": joint.speed, "acceleration": joint.acceleration })).collect::<Vec<_>>(),
+            "speed": joint.speed, "acceleration": joint.acceleration,
+            "jerk": joint.jerk.is_finite().then_some(joint.jerk) })).collect::<Vec<_>>(),
         "stops": tour.stops.iter().map(|stop| json!({ "label": stop.label, "q": stop.q,
             "seconds": stop.seconds, "picture": stop.picture })).collect::<Vec<_>>(),
         "home": tour.home.as_ref().map(|home| json!({ "q": home.q, "seconds": home.back })),

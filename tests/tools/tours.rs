@@ -8,8 +8,8 @@
 
 use std::time::Instant;
 
-use calipose::motion::timing::{JointLimits, duration};
 use calipose::motion::tour::{Costs, Ends, cost, lower_bound, tour};
+use calipose::motion::{JointLimits, duration};
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -64,8 +64,7 @@ fn timed<T>(work: impl Fn() -> T) -> (f64, T) {
 fn moves(stops: usize, joints: usize, seed: u64) -> Costs {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
     let mut random = |from: f64, to: f64| rng.gen_range(from..to);
-    let limits: Vec<_> =
-        (0..joints).map(|_| JointLimits { speed: random(1.0, 3.0), acceleration: random(2.0, 10.0) }).collect();
+    let limits: Vec<_> = (0..joints).map(|_| JointLimits::new(random(1.0, 3.0), random(2.0, 10.0))).collect();
     let configurations: Vec<Vec<_>> = (0..stops).map(|_| (0..joints).map(|_| random(-2.5, 2.5)).collect()).collect();
     Costs::from_fn(stops, |i, j| duration(&configurations[i], &configurations[j], &limits))
 }

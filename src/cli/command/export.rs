@@ -47,12 +47,13 @@ pub(crate) fn run(arguments: &ExportArguments, screen: &mut Screen) -> Result<()
     probe(&folder)?;
     let limits = motion.limits();
     let joints = problem.robot.chain.joints.iter().zip(motion.greatest.iter().zip(&limits));
-    // The share is of speeds; the accelerations are those at this share.
-    let joints = joints.map(|(joint, (JointLimits { speed, .. }, JointLimits { acceleration, .. }))| ProgramJoint {
+    // The share is of speeds; accelerations and jerks are those at this share.
+    let joints = joints.map(|(joint, (greatest, &JointLimits { acceleration, jerk, .. }))| ProgramJoint {
         name: joint.name.clone(),
         kind: joint.kind,
-        speed: *speed,
-        acceleration: *acceleration,
+        speed: greatest.speed,
+        acceleration,
+        jerk,
     });
     let joints: Vec<ProgramJoint> = joints.collect();
     let (stops, home) = stops(&plan, &motion);

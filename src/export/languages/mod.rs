@@ -19,7 +19,8 @@ const LABEL: usize = 40;
 
 /// The sentences at the beginning of a program, as controllers show them.
 fn beginning(program: &Program, notes: &[String]) -> Vec<String> {
-    header(program, notes).iter().map(|sentence| plain(sentence)).collect()
+    let jerk = program.limits_jerk().then_some("Limits of jerk are NOT in this file: the controller has its own.");
+    header(program, notes).iter().map(String::as_str).chain(jerk).map(plain).collect()
 }
 
 /// What the operator reads when the robot sets out: "pose 7 (2 of 12)".

@@ -60,8 +60,13 @@ impl Example {
         let joints =
             vec![joint("lift", JointKind::Prismatic, 0.0, 0.5), joint("shoulder", JointKind::Revolute, -1.0, 2.0)];
         let stages = vec![Stage { X_PJ: up, motion: lift }, Stage { X_PJ: ahead, motion: arm }];
-        let program_joint =
-            |joint: &Joint| ProgramJoint { name: joint.name.clone(), kind: joint.kind, speed: 1.5, acceleration: 3.0 };
+        let program_joint = |joint: &Joint| ProgramJoint {
+            name: joint.name.clone(),
+            kind: joint.kind,
+            speed: 1.5,
+            acceleration: 3.0,
+            jerk: f64::INFINITY,
+        };
         let stop = |label: &str, q: [f64; 2], picture| Stop { label: label.into(), q: q.into(), seconds: 2.0, picture };
         let zone = Zone { width, height, edge_margin: 0.0 };
         let θ = [600.0, 610.0, 319.5, 241.0, -0.25, 0.125, 0.0, 0.0625, 0.0];

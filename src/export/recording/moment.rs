@@ -1,6 +1,6 @@
 //! The tour in steps of time.
 
-use crate::export::program::{Leg, Program};
+use crate::export::program::{Leg, Program, ProgramJoint};
 use crate::motion::JointLimits;
 use crate::motion::timing::Profile;
 
@@ -58,8 +58,11 @@ pub(super) fn moments<'a>(program: &'a Program) -> Vec<Moment<'a>> {
 
 /// What the joints do at the tour's share of their speeds.
 fn limits(program: &Program) -> Vec<JointLimits> {
-    let of = program.joints.iter().map(|joint| (program.share * joint.speed, joint.acceleration));
-    of.map(|(speed, acceleration)| JointLimits { speed, acceleration }).collect()
+    let of = |joint: &ProgramJoint| {
+        let ProgramJoint { speed, acceleration, jerk, .. } = *joint;
+        JointLimits { speed: program.share * speed, acceleration, jerk }
+    };
+    program.joints.iter().map(of).collect()
 }
 
 /// Times strictly between 0 and `seconds`, evenly apart.

@@ -2,7 +2,7 @@
 //! all of them.
 //!
 //! Sources: `JointTrajectory.msg` and `JointTrajectoryPoint.msg` of `common_interfaces`. Between points with positions and
-//! velocities the controllers of ros-controls draw a cubic.
+//! velocities the controllers of ros-controls draw a cubic, with accelerations a quintic, whose acceleration never jumps.
 
 use super::{beginning, yaml};
 use crate::export::Export;
@@ -23,29 +23,31 @@ const STEP: f64 = 0.01;
 
 fn write(program: &Program) -> String {
     let joints = yaml::texts(program.joints.iter().map(|joint| joint.name.as_str()));
-    let mut text = beginning(program, &notes());
+    let mut text = beginning(program, &notes(program));
     text += &format!("header:\n  stamp: {{sec: 0, nanosec: 0}}\n  frame_id: \"\"\njoint_names: {joints}\npoints:\n");
     for (q, time) in points(program) {
-        text += &point(q, time);
+        text += &point(q, time, program.limits_jerk());
     }
     text
 }
 
-fn notes() -> Vec<String> {
-    [
+fn notes(program: &Program) -> Vec<String> {
+    let curves = if program.limits_jerk() { "quintics" } else { "cubics" };
+    vec![
         "Run: ros2 topic pub --once /joint_trajectory_controller/joint_trajectory trajectory_msgs/msg/JointTrajectory \
-         --yaml-file FILE (before ROS 2 Kilted \"$(cat FILE)\" in place of the last two).",
-        "Where the robot stands for a picture there are two points, its arrival and its departure. Moves are cubics at rest at both ends; where one would be \
-         faster than the joints may be, it takes longer than planned.",
+         --yaml-file FILE (before ROS 2 Kilted \"$(cat FILE)\" in place of the last two)."
+            .to_owned(),
+        format!(
+            "Where the robot stands for a picture there are two points, its arrival and its departure. Moves are {curves} at rest at both \
+             ends; where one would be faster than the joints may be, it takes longer than planned."
+        ),
     ]
-    .map(str::to_owned)
-    .to_vec()
 }
 
 /// Joint values and times in s, rising, of all points.
 fn points<'a>(program: &'a Program) -> Vec<(&'a [f64], f64)> {
     let legs = program.legs();
-    let times: Vec<f64> = legs.iter().map(|leg| cubic_time(program, leg)).collect();
+    let times: Vec<f64> = legs.iter().map(|leg| time_of_curve(program, leg)).collect();
     let mut time = times.iter().copied().fold(LEAD_IN, f64::max);
     let mut points = Vec::new();
     for (leg, takes) in legs.iter().zip(times) {
@@ -61,22 +63,27 @@ fn points<'a>(program: &'a Program) -> Vec<(&'a [f64], f64)> {
     points
 }
 
-/// How long a cubic at rest at both ends takes, s: as planned, or until no joint is too fast (a cubic's peak is 3/2 of its mean)
-/// or its acceleration too great (6 d/T² at the ends of a way d).
-fn cubic_time(program: &Program, leg: &Leg) -> f64 {
+/// How long a cubic, or a quintic, at rest at both ends takes, s: as planned, or until no joint is too fast. On a way d in the time T a
+/// cubic's greatest speed is 3/2 d/T and its greatest acceleration 6 d/T²; a quintic's are 15/8 d/T and 10/√3 d/T², and its greatest
+/// jerk 60 d/T³.
+fn time_of_curve(program: &Program, leg: &Leg) -> f64 {
     let from = leg.from.unwrap_or(leg.to);
     let ways = from.iter().zip(leg.to).map(|(from, to)| (to - from).abs());
+    let [of_speed, of_acceleration, of_jerk] =
+        if program.limits_jerk() { [1.875, 10.0 / 3.0_f64.sqrt(), 60.0] } else { [1.5, 6.0, 0.0] };
     program.joints.iter().zip(ways).fold(leg.seconds.max(STEP), |time, (joint, way)| {
-        let by_speed = 1.5 * way / (program.share * joint.speed);
-        time.max(by_speed).max((6.0 * way / joint.acceleration).sqrt())
+        let by_speed = of_speed * way / (program.share * joint.speed);
+        let by_acceleration = (of_acceleration * way / joint.acceleration).sqrt();
+        time.max(by_speed).max(by_acceleration).max((of_jerk * way / joint.jerk).cbrt())
     })
 }
 
-fn point(q: &[f64], time: f64) -> String {
+fn point(q: &[f64], time: f64, eased: bool) -> String {
     let nanoseconds = (time * 1e9).round() as u64;
     let rest = yaml::numbers(&vec![0.0; q.len()]);
+    let accelerations = if eased { &rest } else { "[]" };
     format!(
-        "  - positions: {}\n    velocities: {rest}\n    accelerations: []\n    effort: []\n    \
+        "  - positions: {}\n    velocities: {rest}\n    accelerations: {accelerations}\n    effort: []\n    \
          time_from_start: {{sec: {}, nanosec: {}}}\n",
         yaml::numbers(q),
         nanoseconds / 1_000_000_000,
@@ -130,5 +137,21 @@ points:
         weak[5].acceleration = 0.5;
         let calm = Program { joints: &weak, ..fast };
         assert_eq!(times(&calm)[..2], [6.0, 12.0]);
+    }
+
+    #[test]
+    fn joints_with_limits_of_jerk_take_quintics() {
+        let (mut joints, stops) = (joints(), stops());
+        joints[3].jerk = 1.0;
+        let text = write(&Program { dwell: 0.0, share: 1.0, ..program(&joints, &stops) });
+        assert!(
+            text.contains("    accelerations: [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]\n") && text.contains("quintics"),
+            "{text}"
+        );
+        // .1 rad at no more than 1 rad/s³, which takes less than the planned 2.5 s.
+        assert!(text.ends_with("time_from_start: {sec: 7, nanosec: 500000000}\n"), "{text}");
+        joints[3].jerk = 0.1;
+        let text = write(&Program { dwell: 0.0, share: 1.0, ..program(&joints, &stops) });
+        assert!(text.ends_with("time_from_start: {sec: 8, nanosec: 914867641}\n"), "{text}");
     }
 }

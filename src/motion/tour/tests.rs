@@ -1,8 +1,8 @@
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::super::timing::{JointLimits, duration};
 use super::*;
+use crate::motion::{JointLimits, duration};
 
 /// The kinds of ends that n stops allow.
 fn kinds_of_ends(n: usize) -> Vec<Ends> {
@@ -22,8 +22,7 @@ fn arbitrary(n: usize, seed: u64) -> Costs {
 fn moves(n: usize, joints: usize, seed: u64) -> Costs {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
     let mut random = |from: f64, to: f64| rng.gen_range(from..to);
-    let limits: Vec<_> =
-        (0..joints).map(|_| JointLimits { speed: random(1.0, 3.0), acceleration: random(2.0, 10.0) }).collect();
+    let limits: Vec<_> = (0..joints).map(|_| JointLimits::new(random(1.0, 3.0), random(2.0, 10.0))).collect();
     let configurations: Vec<Vec<_>> = (0..n).map(|_| (0..joints).map(|_| random(-2.5, 2.5)).collect()).collect();
     Costs::from_fn(n, |i, j| duration(&configurations[i], &configurations[j], &limits))
 }

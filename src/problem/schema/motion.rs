@@ -15,7 +15,7 @@ pub(crate) struct Motion {
     pub(crate) return_home: bool,
     /// Time for the pictures at each pose, in seconds.
     pub(crate) dwell_s: f64,
-    /// Share of the joints' greatest speeds and accelerations at which the robot moves, in percent.
+    /// Share of the joints' greatest speeds, accelerations and jerks at which the robot moves, in percent.
     pub(crate) speed_percent: f64,
     /// Greatest speed of revolute joints of which neither the table nor the URDF states one, in degrees per second.
     pub(crate) default_speed_deg_s: f64,
@@ -26,6 +26,11 @@ pub(crate) struct Motion {
     pub(crate) max_acceleration_deg_s2: BTreeMap<String, f64>,
     /// The same of prismatic joints, in mm per second squared.
     pub(crate) max_acceleration_mm_s2: BTreeMap<String, f64>,
+    /// Greatest jerks of revolute joints by the joints' names, in degrees per second cubed. A joint without one changes its
+    /// acceleration at once.
+    pub(crate) max_jerk_deg_s3: BTreeMap<String, f64>,
+    /// The same of prismatic joints, in mm per second cubed.
+    pub(crate) max_jerk_mm_s3: BTreeMap<String, f64>,
 }
 
 impl Default for Motion {
@@ -39,6 +44,8 @@ impl Default for Motion {
             default_speed_mm_s: 50.0,
             max_acceleration_deg_s2: BTreeMap::new(),
             max_acceleration_mm_s2: BTreeMap::new(),
+            max_jerk_deg_s3: BTreeMap::new(),
+            max_jerk_mm_s3: BTreeMap::new(),
         }
     }
 }

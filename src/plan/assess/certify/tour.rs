@@ -226,17 +226,29 @@ fn goes_that_way(
 }
 
 /// Time of a straight move from rest to rest: the joints together accelerate as the most sluggish of them allows, up to the speed of the
-/// slowest.
+/// slowest, or up to the greatest from which they can still stop in time.
 fn least_time(from: &[f64], to: &[f64], greatest: &[JointLimits], share: f64) -> f64 {
     let slowest = |limit: fn(&JointLimits) -> f64| {
         let shares =
             from.iter().zip(to).zip(greatest).map(|((from, to), limits)| (to - from).abs() / (share * limit(limits)));
         shares.fold(0.0, f64::max)
     };
-    let (by_speed, by_acceleration) = (slowest(|limits| limits.speed), slowest(|limits| limits.acceleration));
-    if by_speed * by_speed > by_acceleration {
-        by_speed + by_acceleration / by_speed
-    } else {
-        2.0 * by_acceleration.sqrt()
+    let limits: [fn(&JointLimits) -> f64; 3] = [|joint| joint.speed, |joint| joint.acceleration, |joint| joint.jerk];
+    let [by_speed, by_acceleration, by_jerk] = limits.map(slowest);
+    if by_acceleration == 0.0 {
+        return 0.0;
     }
+    // Speeds are shares of the way to the second. From this one on the greatest acceleration is reached.
+    let eased = by_jerk / (by_acceleration * by_acceleration);
+    let speeding_up = |speed: f64| {
+        if speed > eased { speed * by_acceleration + by_jerk / by_acceleration } else { 2.0 * (speed * by_jerk).sqrt() }
+    };
+    let fastest = 1.0 / by_speed;
+    if fastest * speeding_up(fastest) <= 1.0 {
+        return by_speed + speeding_up(fastest);
+    }
+    // Half the way is done when the greatest speed is reached.
+    let jerk_time = by_jerk / by_acceleration;
+    let speed = ((jerk_time * jerk_time + 4.0 * by_acceleration).sqrt() - jerk_time) / (2.0 * by_acceleration);
+    2.0 * speeding_up(if speed > eased { speed } else { (0.25 / by_jerk).cbrt() })
 }

@@ -58,8 +58,13 @@ fn timed(tour: &TourDocument, stops: &[Stop], limits: &[JointLimits]) -> Timelin
         let corners: Vec<&[f64]> = once(ends[0].q).chain(turns).chain([ends[1].q]).collect();
         let legs = corners.windows(2).map(|pair| {
             let profile = Profile::between(pair[0], pair[1], limits);
-            let leg =
-                TimedLeg { start_s: time, seconds: profile.duration(), ramp_s: profile.ramp(), to: pair[1].to_vec() };
+            let leg = TimedLeg {
+                start_s: time,
+                seconds: profile.duration(),
+                ramp_s: profile.ramp(),
+                ease_s: profile.ease(),
+                to: pair[1].to_vec(),
+            };
             time += leg.seconds;
             leg
         });

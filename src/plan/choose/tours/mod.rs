@@ -28,7 +28,7 @@ pub(super) use timed::Numbers;
 pub(crate) use times::Times;
 
 /// Most views that a set is traded from.
-const POOL: usize = 3000;
+pub(crate) const POOL: usize = 3000;
 
 /// What a choice was made for beside its information.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,7 +71,7 @@ impl Chooser<'_> {
     ///
     /// # Errors
     /// As [`Chooser::best`].
-    pub(super) fn shorter(
+    pub(crate) fn shorter(
         &self,
         choice: Choice,
         certificate: &Certificate,

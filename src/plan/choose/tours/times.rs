@@ -76,16 +76,11 @@ impl<'a> Times<'a> {
     /// Time that no tour of so many poses takes less than which has one where the joint's value is `low` or less and one where it is
     /// `high` or more, and whose poses are `nearest` apart by time, s.
     ///
-    /// A joint goes the farther in a given time the fewer moves it takes: its displacement in the time of a move is convex. So all moves
-    /// but one are as short as can be.
+    /// A joint goes the farther in a given time the fewer moves it takes: its [reach](JointLimits::reach) in the time of a move is convex.
+    /// So all moves but one are as short as can be.
     pub(super) fn least_across(&self, joint: usize, [low, high]: [f64; 2], poses: usize, nearest: f64) -> f64 {
-        let JointLimits { speed, acceleration } = self.limits[joint];
-        let alone = |way: f64| duration(&[0.0], &[way.max(0.0)], &self.limits[joint..=joint]);
-        // How far the joint goes in a move of that time at most.
-        let ramp = speed / acceleration;
-        let goes = |time: f64| {
-            if time < 2.0 * ramp { acceleration * time * time / 4.0 } else { speed * (time - ramp) }
-        };
+        let limits = &self.limits[joint];
+        let reach = limits.reach(nearest);
         let between = poses.saturating_sub(1) as f64;
         let way = match self.home {
             None => high - low,
@@ -95,14 +90,14 @@ impl<'a> Times<'a> {
             }
         };
         let from_pose_to_pose = if poses > 1 {
-            (between - 1.0) * nearest + nearest.max(alone(way - (between - 1.0) * goes(nearest)))
+            (between - 1.0) * nearest + nearest.max(limits.soonest(way - (between - 1.0) * reach))
         } else {
             f64::INFINITY
         };
         let from_home = match self.home {
             None if poses < 2 => 0.0,
             None => f64::INFINITY,
-            Some(_) => between * nearest + alone(way - between * goes(nearest)),
+            Some(_) => between * nearest + limits.soonest(way - between * reach),
         };
         from_pose_to_pose.min(from_home)
     }

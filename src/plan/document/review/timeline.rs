@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 use crate::motion::course::{Leg, configuration};
 use crate::motion::timing::Profile;
 
-/// A plan's tour in time. All joints start and stop together: on every leg, for `ramp_s` they speed up evenly and for as long they slow
-/// down.
+/// A plan's tour in time. All joints start and stop together: on every leg, for `ramp_s` they speed up and for as long they slow down,
+/// evenly but for `ease_s` at the beginning and the end of that, in which the acceleration grows and falls evenly.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Timeline {
     /// Joint values at the beginning, rad (m for prismatic joints): at home, or at the first pose.
@@ -60,6 +60,9 @@ pub struct TimedLeg {
     pub seconds: f64,
     /// For how long of it the joints speed up; for as long they slow down.
     pub ramp_s: f64,
+    /// In which time the acceleration comes to its greatest, and goes again; left out where the joints change it at once.
+    #[serde(skip_serializing_if = "none", default)]
+    pub ease_s: f64,
     /// Joint values where it ends, rad (m for prismatic joints).
     pub to: Vec<f64>,
 }
@@ -96,6 +99,12 @@ pub struct MarginCurve {
     pub nearest: Vec<usize>,
 }
 
+/// That it takes no time.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it")]
+fn none(seconds: &f64) -> bool {
+    *seconds == 0.0
+}
+
 impl Timeline {
     /// The straight ways of all moves.
     pub fn legs(&self) -> Vec<Leg> {
@@ -105,7 +114,7 @@ impl Timeline {
             start: leg.start_s,
             from: from.clone(),
             to: leg.to.clone(),
-            profile: Profile::lasting(leg.seconds, leg.ramp_s),
+            profile: Profile::lasting(leg.seconds, leg.ramp_s, leg.ease_s),
         };
         from.zip(&timed).map(leg).collect()
     }

@@ -1,21 +1,29 @@
 /**
  * A tour in time, in double precision and without three.js: where the arm is when.
  *
- * All joints of a leg start and stop together: for `ramp_s` they speed up evenly, and for as long they slow down.
+ * All joints of a leg start and stop together: for `ramp_s` they speed up, and for as long they slow down, evenly but for `ease_s` at the
+ * beginning and the end of that, in which the acceleration grows and falls evenly.
  *
- * @typedef {{start_s: number, seconds: number, ramp_s: number, to: number[]}} Leg
+ * @typedef {{start_s: number, seconds: number, ramp_s: number, ease_s?: number, to: number[]}} Leg
  * @typedef {{from: number | null, to: number | null, start_s: number, seconds: number, legs: Leg[]}} Move
  * @typedef {{id: number, start_s: number, seconds: number}} PictureTime
  * @typedef {{measured_m: number[], pairs?: string[][], nearest?: number[]}} Curve
  */
 
 /** The share of a leg that is done `time` seconds after it began: 0 before, 1 after it. */
-function shareDone(/** @type {Leg} */ { seconds, ramp_s }, /** @type {number} */ time) {
+function shareDone(/** @type {Leg} */ { seconds, ramp_s, ease_s = 0 }, /** @type {number} */ time) {
   const spent = Math.min(Math.max(time, 0), seconds);
   const left = seconds - spent;
   if (left === 0) return 1;
   const pass = seconds - ramp_s;
-  const inFirstHalf = (/** @type {number} */ t) => (t < ramp_s ? (t * t) / (2 * ramp_s * pass) : (t - ramp_s / 2) / pass);
+  const acceleration = 1 / ((ramp_s - ease_s) * pass);
+  const eased = (/** @type {number} */ t) => (acceleration * t ** 3) / (6 * ease_s);
+  const inFirstHalf = (/** @type {number} */ t) => {
+    if (t >= ramp_s) return (t - ramp_s / 2) / pass;
+    if (t < ease_s) return eased(t);
+    if (t > ramp_s - ease_s) return (t - ramp_s / 2) / pass + eased(ramp_s - t);
+    return acceleration * ((t - ease_s / 2) ** 2 / 2 + ease_s ** 2 / 24);
+  };
   return spent <= left ? inFirstHalf(spent) : 1 - inFirstHalf(left);
 }
 
