@@ -33,7 +33,7 @@ ROOT = Path(__file__).resolve().parents[2]
 ANGLE = 5.1e-7  # Half of the last decimal, deg and mm.
 FANUC_ANGLE = 5.1e-5
 NODE_MOVE = 4.0  # What the ROS 2 node gives each goal, s.
-REFUSED = {"six": set(), "odd": set(), "tracked": {"urscript"}, "four": {"urscript"}, "seven": {"urscript", "rapid", "krl", "fanuc-ls"}}
+REFUSED = {"six": set(), "odd": set(), "tracked": {"urscript"}, "four": {"urscript"}, "seven": {"urscript", "rapid", "krl", "fanuc-ls"}, "eased": set()}
 DECIMAL = r"-?\d+\.\d+"
 
 

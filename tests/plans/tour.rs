@@ -56,7 +56,11 @@ fn least(problem: &Problem, way: &mut [&[f64]], fixed: usize) -> f64 {
 #[test]
 fn the_order_of_a_plan_takes_least_time() {
     let home = "motion.home=[0, 60, -100, 90]";
-    for set in [vec![], vec![home], vec![home, "motion.return_home=false", "motion.max_acceleration_deg_s2={neck=3}"]] {
+    let jerks = "motion.max_jerk_deg_s3={waist=20, neck=2}";
+    let one_way = "motion.return_home=false";
+    for set in
+        [vec![], vec![home], vec![home, one_way, "motion.max_acceleration_deg_s2={neck=3}"], vec![home, one_way, jerks]]
+    {
         let (problem, survey, plan) = planned(&[&["selection.count=7"], set.as_slice()].concat());
         let TourDocument { order, moves, moving_s, least_moving_s, moving_by_id_s, total_s, .. } =
             plan.tour.as_ref().unwrap();
@@ -79,6 +83,21 @@ fn the_order_of_a_plan_takes_least_time() {
         );
         certify(&plan, &problem, &survey).unwrap();
     }
+}
+
+#[test]
+fn with_a_limit_of_jerk_moves_take_longer_and_less_is_found_out() {
+    let (problem, survey, mut plan) = planned(&["motion.max_jerk_deg_s3={waist=20, neck=2}"]);
+    let without = Problem { motion: planned(&[]).0.motion, ..problem.clone() };
+    let error = certify(&plan, &without, &survey).unwrap_err();
+    assert!(error.to_string().contains("time"), "{error}");
+    certify(&plan, &problem, &survey).unwrap();
+    let tour = plan.tour.as_mut().unwrap();
+    tour.moves[3].seconds -= 1e-6;
+    tour.moving_s -= 1e-6;
+    tour.total_s -= 1e-6;
+    let error = certify(&plan, &problem, &survey).unwrap_err();
+    assert!(error.to_string().contains("the time of a move"), "{error}");
 }
 
 /// Where hardly any time goes into speeding up, half the speed takes twice the time.

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::verify::verify;
 use crate::feasibility::{LinkPairs, Rejection, View};
-use crate::plan::choose::{Choice, Chooser, PICKS, SAMPLED_OFF_GRID, TRADED};
+use crate::plan::choose::{Chooser, PICKS, SAMPLED_OFF_GRID, TRADED};
 use crate::plan::document::{
     CameraSights, CheckDocument, CollisionDocument, DiagnosisDocument, Document, LensDocument, NoteDocument,
     ProblemReference, SelfCollision, finite,
@@ -53,8 +53,8 @@ const SCORING: Duration = Duration::from_millis(2);
 const LOOKS: f64 = 20_000.0;
 const LOOKS_PER_POSE: f64 = 1_200.0;
 
-/// Times that sets are traded for shorter tours where poses may leave the grid.
-const TRADES_OFF_GRID: f64 = 2.0;
+/// What trading sets for shorter tours takes of each view that they are traded from, in scorings for each pose.
+const TRADINGS_PER_POSE: f64 = 500.0;
 
 /// Selections that it takes to find the fewest poses, with the bounds on fewer.
 const FEWEST: f64 = 4.0;
@@ -156,13 +156,25 @@ pub fn forecast(problem: &Problem, trials: usize) -> Forecast {
         count = count.or_else(|| chosen.count(kept));
         let k = count.unwrap_or(PICKS) as f64;
         seconds += chosen.selection + weighings(kept, k);
-        let trades = if problem.selection.leaves_grid() { TRADES_OFF_GRID } else { 1.0 };
-        seconds += trades * chosen.trade * kept.min(TRADED as f64) / chosen.survey.views.len().min(TRADED) as f64;
+        eprintln!(
+            "before {seconds} selection {} weigh {} score {} kept {kept}",
+            chosen.selection,
+            weighings(kept, k),
+            chosen.score
+        );
+        if problem.selection.tour_tolerance > 0.0 {
+            seconds += kept.min(TRADED as f64) * chosen.score * TRADINGS_PER_POSE * k;
+        }
         if problem.selection.leaves_grid() {
             let looks = problem.robot.chain.dof() as f64 * (LOOKS + LOOKS_PER_POSE * k);
+            eprintln!(
+                "looks {looks} pass {} inform {} handed {} test {test}",
+                pilot.pass, chosen.inform, pilot.handed_on
+            );
             seconds +=
                 looks * corners * (pilot.pass + chosen.inform) + SAMPLED_OFF_GRID as f64 * pilot.handed_on * test;
         }
+        eprintln!("total {seconds} + {}", chosen.trial * corners * k * trials as f64);
         seconds += chosen.trial * corners * k * trials as f64;
     }
     Forecast {
@@ -267,8 +279,6 @@ struct Chosen<'a> {
     score: f64,
     /// Seconds of the pilot's selection.
     selection: f64,
-    /// Seconds to trade the pilot's choice for one with a shorter tour, where the problem has that done.
-    trade: f64,
     /// Seconds of refinement for a configuration, and the share of those that are views.
     refining: Option<(f64, f64)>,
     /// Seconds of a simulated calibration for each of its poses.
@@ -304,7 +314,6 @@ impl<'a> Chosen<'a> {
         let selection = times * start.elapsed().as_secs_f64();
         let choice = chooser.choose(Method::Exchange, poses, settings.seed).ok()?;
         let score = scoring(&chooser, &choice.selected)?;
-        let trade = trading(&chooser, choice.clone())?;
         drop(chooser);
         let picks: Vec<Vec<f64>> = choice.selected.iter().map(|&i| survey.views[i].q.clone()).collect();
         let refining = (problem.refinement.rounds > 0).then(|| refining(problem, &survey, &picks)).flatten();
@@ -312,7 +321,7 @@ impl<'a> Chosen<'a> {
         let verified = verify(problem, &picks, &Disturbance::default(), Weighing::default(), TRIALS, 0, &|_| {});
         let trial = start.elapsed().as_secs_f64() / (TRIALS * poses) as f64;
         let trial = if verified.is_ok() { trial } else { 0.0 };
-        Some(Self { problem, survey, inform, score, selection, trade, refining, trial })
+        Some(Self { problem, survey, inform, score, selection, refining, trial })
     }
 
     /// As many of `views` candidates as serve, where no number of poses is asked for.
@@ -354,19 +363,6 @@ fn scoring(chooser: &Chooser, selected: &[usize]) -> Option<f64> {
         scored += black_box(instance.scores(&gradient.y)).len();
     }
     Some(start.elapsed().as_secs_f64() / (scored * rayon::current_num_threads()) as f64)
-}
-
-/// Seconds to trade a choice for one with a shorter tour; none where tours do not count.
-fn trading(chooser: &Chooser, choice: Choice) -> Option<f64> {
-    let tolerance = chooser.problem().selection.tour_tolerance;
-    if tolerance == 0.0 {
-        return Some(0.0);
-    }
-    let certificate = chooser.certificate(choice.selected.len()).ok()?;
-    let floor = choice.log_value + (1.0 - tolerance).ln();
-    let start = Instant::now();
-    drop(chooser.shorter(choice, &certificate, floor).ok()?);
-    Some(start.elapsed().as_secs_f64())
 }
 
 /// Seconds that a configuration around the picks takes, and the share that are views.

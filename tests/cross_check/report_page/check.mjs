@@ -190,6 +190,8 @@ await check("the view turns, shifts and zooms by mouse, wheel and keys, and H br
   for (const key of ["ArrowLeft", "ArrowUp", "Shift+ArrowRight", "+", "-"]) {
     await changesPicture(page, () => page.keyboard.press(key), key);
   }
+  // A camera that the pointer is near stands out.
+  await page.mouse.move(0, 0);
   await page.keyboard.press("h");
   assert.equal((await picture(page)).digest, whole, "H: the canvas's picture");
 });

@@ -71,7 +71,7 @@ impl Chooser<'_> {
     ///
     /// # Errors
     /// As [`Chooser::best`].
-    pub(crate) fn shorter(
+    pub(super) fn shorter(
         &self,
         choice: Choice,
         certificate: &Certificate,
