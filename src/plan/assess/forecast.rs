@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::verify::verify;
 use crate::feasibility::{LinkPairs, Rejection, View};
-use crate::plan::choose::{Chooser, PICKS, SAMPLED_OFF_GRID, TRADED};
+use crate::plan::choose::{Chooser, PICKS, SAMPLED_OFF_GRID};
 use crate::plan::document::{
     CameraSights, CheckDocument, CollisionDocument, DiagnosisDocument, Document, LensDocument, NoteDocument,
     ProblemReference, SelfCollision, finite,
@@ -52,9 +52,6 @@ const SCORING: Duration = Duration::from_millis(2);
 /// Views that climbs off the grid look at for each joint, whatever the number of poses and for each pose.
 const LOOKS: f64 = 20_000.0;
 const LOOKS_PER_POSE: f64 = 1_200.0;
-
-/// What trading sets for shorter tours takes of each view that they are traded from, in scorings for each pose.
-const TRADINGS_PER_POSE: f64 = 500.0;
 
 /// Selections that it takes to find the fewest poses, with the bounds on fewer.
 const FEWEST: f64 = 4.0;
@@ -156,25 +153,11 @@ pub fn forecast(problem: &Problem, trials: usize) -> Forecast {
         count = count.or_else(|| chosen.count(kept));
         let k = count.unwrap_or(PICKS) as f64;
         seconds += chosen.selection + weighings(kept, k);
-        eprintln!(
-            "before {seconds} selection {} weigh {} score {} kept {kept}",
-            chosen.selection,
-            weighings(kept, k),
-            chosen.score
-        );
-        if problem.selection.tour_tolerance > 0.0 {
-            seconds += kept.min(TRADED as f64) * chosen.score * TRADINGS_PER_POSE * k;
-        }
         if problem.selection.leaves_grid() {
             let looks = problem.robot.chain.dof() as f64 * (LOOKS + LOOKS_PER_POSE * k);
-            eprintln!(
-                "looks {looks} pass {} inform {} handed {} test {test}",
-                pilot.pass, chosen.inform, pilot.handed_on
-            );
             seconds +=
                 looks * corners * (pilot.pass + chosen.inform) + SAMPLED_OFF_GRID as f64 * pilot.handed_on * test;
         }
-        eprintln!("total {seconds} + {}", chosen.trial * corners * k * trials as f64);
         seconds += chosen.trial * corners * k * trials as f64;
     }
     Forecast {

@@ -29,5 +29,4 @@ pub(crate) use off_grid::{Moved, Poses, SAMPLED as SAMPLED_OFF_GRID, leave_grid,
 pub use plan_survey::plan_survey;
 pub(crate) use refined_survey::PICKS;
 pub use refined_survey::refined_survey;
-pub(crate) use tours::POOL as TRADED;
 pub use tours::{GaveWay, Led, Toured, Trade};

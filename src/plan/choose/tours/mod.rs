@@ -28,7 +28,7 @@ pub(super) use timed::Numbers;
 pub(crate) use times::Times;
 
 /// Most views that a set is traded from.
-pub(crate) const POOL: usize = 3000;
+const POOL: usize = 3000;
 
 /// What a choice was made for beside its information.
 #[derive(Debug, Clone, PartialEq)]
