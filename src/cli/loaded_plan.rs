@@ -8,7 +8,7 @@ use super::output::failure::Failure;
 use crate::formats::read_at_most;
 use crate::plan::assess::LocateError;
 use crate::plan::choose::{Chooser, refined_survey};
-use crate::plan::document::{Plan, PlannedPose, PlannedPoses, ProblemReference, Run};
+use crate::plan::document::{Plan, PlannedPoses, ProblemReference, Run};
 use crate::plan::results::{check_results, hold_to_read};
 use crate::plan::survey::{NoView, Survey};
 use crate::problem::Problem;
@@ -74,8 +74,7 @@ impl LoadedPlan {
 
 /// The poses of a plan, on the grid or polished, and their problem.
 pub(crate) struct LoadedPoses {
-    /// In the order in which to take them.
-    pub(crate) poses: Vec<PlannedPose>,
+    pub(crate) planned: PlannedPoses,
     pub(crate) problem: Problem,
 }
 
@@ -87,7 +86,7 @@ impl LoadedPoses {
         let problem = problem_of(path, &planned.problem, problem)?;
         among_its_own(path, &mixed, &[])?;
         planned.fit(&problem).map_err(|error| refused(path, error.to_string()))?;
-        Ok(Self { poses: planned.in_order().into_iter().cloned().collect(), problem })
+        Ok(Self { planned, problem })
     }
 }
 

@@ -99,8 +99,17 @@ fn polish_writes_better_poses_beside_the_plan() {
         assert_eq!(pose.id, grid.id);
     }
     assert_ne!(polished.poses[0].joints_rad, plan.poses[0].joints_rad);
+    let tour = polished.tour.as_ref().unwrap();
+    assert!(tour.moving_s > 0.0 && tour.moving_s <= tour.moving_by_id_s && tour.trade.is_none());
+    let in_order = polished.in_order();
+    assert!(in_order.len() == 10 && in_order.iter().map(|pose| pose.id).eq(tour.order.iter().copied()));
+    assert!(told.contains("In this order the moves take"), "{told}");
+    stdout(desk.path(), "export out/polished.json --to csv -o out/polished");
+    let exported = std::fs::read_dir(desk.path().join("out/polished")).unwrap().next().unwrap().unwrap().path();
+    let exported = std::fs::read_to_string(exported).unwrap();
     let table = std::fs::read_to_string(desk.path().join("out/polished.csv")).unwrap();
-    let first = format!("{},{}", polished.poses[0].id, polished.poses[0].joints_rad[0]);
+    let first = format!("{},{}", in_order[0].id, in_order[0].joints_rad[0]);
+    assert!(exported.contains(&in_order[9].joints_rad[0].to_string()), "{exported}");
     assert!(table.lines().count() == 11 && table.lines().nth(1).unwrap().starts_with(&first), "{table}");
     assert_eq!(before, std::fs::read(desk.path().join("out/plan.json")).unwrap());
     // The same plan made again keeps what was polished of it; another takes it away, and says so.

@@ -6,20 +6,20 @@ use clap::Args;
 
 use crate::cli::by_name;
 use crate::cli::interrupt::writing;
-use crate::cli::loaded_plan::LoadedPlan;
+use crate::cli::loaded_plan::LoadedPoses;
 use crate::cli::output::failure::Failure;
 use crate::cli::output::{Screen, wrapped};
 use crate::export::{ExportFile, ExportFormat, Home, Program, ProgramJoint, Setup, Stop};
 use crate::feasibility::{Collision, LinkPair};
 use crate::motion::JointLimits;
 use crate::motion::timing::duration;
-use crate::plan::document::{Document, ExportDocument, ExportedFile, Plan, ProblemReference};
+use crate::plan::document::{Document, ExportDocument, ExportedFile, PlannedPoses, ProblemReference};
 use crate::plan::results::{probe, write_together};
 use crate::problem::{MotionSettings, Problem};
 
 #[derive(Debug, Args)]
 pub(crate) struct ExportArguments {
-    /// plan.json of the plan, as `calipose plan` wrote it
+    /// plan.json of the plan, as `calipose plan` wrote it, or the polished.json of `calipose polish`
     plan: PathBuf,
     /// Format to write, or several
     #[arg(long = "to", value_name = "FORMAT", value_delimiter = ',', required = true,
@@ -41,7 +41,7 @@ pub(crate) struct ExportArguments {
 
 pub(crate) fn run(arguments: &ExportArguments, screen: &mut Screen) -> Result<(), Failure> {
     let path = &arguments.plan;
-    let LoadedPlan { plan, problem, .. } = LoadedPlan::read(path, arguments.problem.as_deref())?;
+    let LoadedPoses { planned, problem } = LoadedPoses::read(path, arguments.problem.as_deref())?;
     let motion = arguments.motion(&problem.motion)?;
     let folder = arguments.output.clone().unwrap_or_else(|| path.parent().unwrap_or(Path::new("")).join("export"));
     probe(&folder)?;
@@ -56,7 +56,7 @@ pub(crate) fn run(arguments: &ExportArguments, screen: &mut Screen) -> Result<()
         jerk,
     });
     let joints: Vec<ProgramJoint> = joints.collect();
-    let (stops, home) = stops(&plan, &motion);
+    let (stops, home) = stops(&planned, &motion);
     let program =
         Program { name: &problem.name, joints: &joints, stops: &stops, home, dwell: motion.dwell, share: motion.share };
     let untested = untested(&problem);
@@ -84,14 +84,14 @@ pub(crate) fn run(arguments: &ExportArguments, screen: &mut Screen) -> Result<()
     let names: Vec<&str> = named.iter().filter_map(|(name, _)| name.to_str()).collect();
     let mut said = format!("Written to {}: {}.", folder.display(), names.join(", "));
     if arguments.holds_tour() {
-        said += &caution(&plan, program.home.is_some());
+        said += &caution(&planned, program.home.is_some());
     }
     screen.text(&wrapped(&said))
 }
 
 /// What to heed before the robot moves.
-fn caution(plan: &Plan, has_home: bool) -> String {
-    let safe = match &plan.tour {
+fn caution(planned: &PlannedPoses, has_home: bool) -> String {
+    let safe = match &planned.tour {
         Some(tour) if tour.blocked().next().is_some() => " NOT ALL MOVES ARE SAFE: see what `calipose plan` said.",
         Some(tour) if tour.moves.iter().all(|found| found.clearance_m.is_some()) => "",
         _ => " The moves from pose to pose were not tested for collision.",
@@ -140,13 +140,13 @@ impl ExportArguments {
     }
 }
 
-/// The plan's poses in the order of its tour and the turns between them, and where it begins, with the times of the moves.
-fn stops(plan: &Plan, motion: &MotionSettings) -> (Vec<Stop>, Option<Home>) {
+/// The poses in the order of its tour and the turns between them, and where it begins, with the times of the moves.
+fn stops(planned: &PlannedPoses, motion: &MotionSettings) -> (Vec<Stop>, Option<Home>) {
     let limits = motion.limits();
     let home = motion.home.as_ref();
-    let poses = plan.in_order();
+    let poses = planned.in_order();
     let turns = |place: usize| {
-        let moves = plan.tour.iter().filter_map(move |tour| tour.moves.get(place));
+        let moves = planned.tour.iter().filter_map(move |tour| tour.moves.get(place));
         moves.flat_map(|found| found.via_rad.iter().map(Vec::as_slice))
     };
     let stop = |label: String, q: &[f64], picture| Stop { label, q: q.to_vec(), seconds: 0.0, picture };

@@ -9,11 +9,12 @@ use crate::cli::loaded_plan::LoadedPlan;
 use crate::cli::output::collision::untested_text;
 use crate::cli::output::failure::Failure;
 use crate::cli::output::pose_table::pose_table;
-use crate::cli::output::{Screen, short};
+use crate::cli::output::{Screen, short, wrapped};
 use crate::plan::assess::polish;
 use crate::plan::choose::PolishSettings;
 use crate::plan::document::Document;
 use crate::plan::results::{add_results, probe};
+use crate::report::on_the_way;
 
 #[derive(Debug, Args)]
 pub(crate) struct PolishArguments {
@@ -60,7 +61,7 @@ pub(crate) fn run(arguments: &PolishArguments, screen: &mut Screen) -> Result<()
         "{}: {} poses polished in {} cycles{end}.\n\n\
          Criterion `{}`: value {} on the grid, {} off it: {:.2} % more information.\n\
          Map error: {} px on the grid, {} px off it.\n\
-         Share of the grid's bound {}: {:.4} by the plan, {:.4} by the polished poses; {}.\n\n{}\n\n{}\
+         Share of the grid's bound {}: {:.4} by the plan, {:.4} by the polished poses; {}.\n\n{}\n\n{}{}\
          Written to {}: polished.json, polished.csv.",
         found.problem.name,
         found.count,
@@ -75,7 +76,8 @@ pub(crate) fn run(arguments: &PolishArguments, screen: &mut Screen) -> Result<()
         found.grid.efficiency,
         found.efficiency_by_grid_bound,
         found.proven,
-        pose_table(problem, &found.poses.iter().collect::<Vec<_>>()),
+        pose_table(problem, &found.in_order()),
+        found.tour.as_ref().map(|tour| wrapped(&format!("{}\n", on_the_way(tour)))).unwrap_or_default(),
         untested_text(problem).map(|line| format!("{line}\n")).unwrap_or_default(),
         if folder.as_os_str().is_empty() { Path::new(".") } else { folder }.display(),
     ))

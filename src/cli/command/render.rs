@@ -44,7 +44,8 @@ pub(crate) struct RenderArguments {
 pub(crate) fn run(arguments: &RenderArguments, screen: &mut Screen) -> Result<(), Failure> {
     let settings = arguments.settings()?;
     let path = &arguments.plan;
-    let LoadedPoses { poses, problem } = LoadedPoses::read(path, arguments.problem.as_deref())?;
+    let LoadedPoses { planned, problem } = LoadedPoses::read(path, arguments.problem.as_deref())?;
+    let poses = planned.in_order();
     let beside = path.parent().unwrap_or(Path::new("")).join("pictures");
     let folder = arguments.output.clone().unwrap_or(beside);
     probe(&folder)?;

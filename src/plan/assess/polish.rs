@@ -5,9 +5,10 @@
 use std::sync::Arc;
 
 use crate::feasibility::View;
-use crate::plan::choose::{Chooser, Moved, PlanError, PolishSettings, Poses, moved};
+use crate::plan::choose::{Chooser, Moved, PlanError, PolishSettings, Poses, journey, moved};
 use crate::plan::document::{
-    Document, GridPlan, Intrinsics, PROVEN, Plan, PlannedPose, PolishedPlan, RobustnessDocument, UnweightedAccuracy,
+    Document, GridPlan, Intrinsics, PROVEN, Plan, PlannedPose, PolishedPlan, RobustnessDocument, TourDocument,
+    UnweightedAccuracy,
 };
 use crate::plan::survey::SurveyError;
 use crate::problem::Problem;
@@ -39,6 +40,8 @@ impl Polished {
     pub fn document(&self, problem: &Problem, chooser: &Chooser, plan: &Plan) -> PolishedPlan {
         let gain = (self.log_value - self.grid_log_value).exp();
         let poses = self.views.iter().zip(&self.shares);
+        let poses: Vec<PlannedPose> = poses.map(|(view, &share)| PlannedPose::new(problem, view, share)).collect();
+        let stops: Vec<&[f64]> = self.views.iter().map(|view| view.q.as_slice()).collect();
         PolishedPlan {
             header: PolishedPlan::header(),
             problem: plan.problem.clone(),
@@ -63,7 +66,8 @@ impl Polished {
                 certificate: plan.certificate.grid.clone(),
             },
             joints: plan.joints.clone(),
-            poses: poses.map(|(view, &share)| PlannedPose::new(problem, view, share)).collect(),
+            tour: Some(TourDocument::through(problem, &poses, &journey(problem, &stops))),
+            poses,
         }
     }
 }

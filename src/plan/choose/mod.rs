@@ -29,4 +29,5 @@ pub(crate) use off_grid::{Moved, Poses, SAMPLED as SAMPLED_OFF_GRID, leave_grid,
 pub use plan_survey::plan_survey;
 pub(crate) use refined_survey::PICKS;
 pub use refined_survey::refined_survey;
+pub(crate) use tours::journey;
 pub use tours::{GaveWay, Led, Toured, Trade};

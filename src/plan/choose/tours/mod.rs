@@ -22,6 +22,7 @@ use crate::problem::{Goal, Least, Problem};
 use crate::selection::{Certificate, Instance};
 use bound::Good;
 use pulls::Pull;
+pub(crate) use spares::journey;
 pub use spares::{GaveWay, Led};
 use swaps::{Aim, Market, Route};
 pub(super) use timed::Numbers;

@@ -28,6 +28,14 @@ pub struct GaveWay {
     pub danger: Danger,
 }
 
+/// The moves through poses, joint values in rad or m, as they lie or round about; home comes after them.
+pub(crate) fn journey(problem: &Problem, poses: &[&[f64]]) -> Journey {
+    let times = Times::new(&problem.motion);
+    let collision = Collision::new(&problem.robot, problem.clearance);
+    let arm = arm(problem, &collision);
+    Journey::new(&arm, &times.stops(poses), times.ends(poses.len()), problem.selection.seed)
+}
+
 /// A choice with the moves through it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Led {
@@ -42,12 +50,8 @@ pub struct Led {
 impl Chooser<'_> {
     /// The moves through the poses of a choice, as they lie or round about.
     pub fn journey(&self, choice: &Choice) -> Journey {
-        let problem = self.problem();
-        let times = Times::new(&problem.motion);
         let poses: Vec<&[f64]> = choice.selected.iter().map(|&i| self.survey().views[i].q.as_slice()).collect();
-        let collision = Collision::new(&problem.robot, problem.clearance);
-        let arm = arm(problem, &collision);
-        Journey::new(&arm, &times.stops(&poses), times.ends(poses.len()), problem.selection.seed)
+        journey(self.problem(), &poses)
     }
 
     /// The moves through a choice, in which poses that no safe move leads to gave way to spares, as far as there are any.

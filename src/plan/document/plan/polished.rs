@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::pose::{PlannedPose, poses_csv};
 use super::proof::CertificateDocument;
+use super::tour::{TourDocument, in_order};
 use super::{Intrinsics, RobustnessDocument, UnweightedAccuracy, is_one, one};
 use crate::plan::document::header::{Document, Header, ProblemReference};
 use crate::robot::Joint;
@@ -56,6 +57,9 @@ pub struct PolishedPlan {
     pub joints: Vec<String>,
     /// The poses; `id` is that of the pose of the grid which each started from.
     pub poses: Vec<PlannedPose>,
+    /// The order in which to take them, and the moves from one to the next.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub tour: Option<TourDocument>,
 }
 
 /// The plan on the grid, and what is proven of it.
@@ -79,11 +83,16 @@ impl Document for PolishedPlan {
 }
 
 impl PolishedPlan {
+    /// The poses in the order in which to take them: that of the tour, as they are listed where there is none.
+    pub fn in_order(&self) -> Vec<&PlannedPose> {
+        in_order(&self.poses, self.tour.as_ref())
+    }
+
     /// The bytes of `polished.csv`, as those of `plan.csv`.
     ///
     /// # Errors
     /// Never in practice: the writer writes to memory.
     pub fn to_csv(&self, joints: &[Joint]) -> Result<Vec<u8>, csv::Error> {
-        poses_csv(joints, &self.poses)
+        poses_csv(joints, self.in_order())
     }
 }

@@ -7,7 +7,7 @@ use super::PlannedPose;
 use crate::motion::Danger;
 use crate::motion::journey::{Blocked, Clear, Journey, Move};
 use crate::plan::choose::{Choice, Chooser, Decision, GaveWay, Trade};
-use crate::problem::MotionSettings;
+use crate::problem::{MotionSettings, Problem};
 use crate::robot::Tree;
 
 /// The order of the poses in which the arm's moves take least time, as far as was found: all joints start and stop together, along
@@ -100,10 +100,18 @@ pub struct MoveDocument {
 impl TourDocument {
     /// Of poses in the order of their ids, as they were decided for.
     pub(super) fn new(chooser: &Chooser, poses: &[PlannedPose], decision: &Decision) -> Self {
-        let problem = chooser.problem();
+        Self {
+            trade: decision.trade.as_ref().map(|trade| TradeDocument::new(trade, &decision.choice)),
+            gave_way: decision.gave_way.iter().map(|gone| GaveWayDocument::new(chooser, gone)).collect(),
+            ..Self::through(chooser.problem(), poses, &decision.journey)
+        }
+    }
+
+    /// Of poses by a journey through them as they are listed.
+    pub(crate) fn through(problem: &Problem, poses: &[PlannedPose], journey: &Journey) -> Self {
         let MotionSettings { greatest: _, share: _, assumed, home, dwell } = &problem.motion;
         let joints = &problem.robot.chain.joints;
-        let Journey { order, moves, least, as_numbered } = &decision.journey;
+        let Journey { order, moves, least, as_numbered } = journey;
         let tree = &problem.robot.tree;
         let moving: f64 = moves.iter().map(|found| found.seconds).sum();
         Self {
@@ -117,8 +125,8 @@ impl TourDocument {
             moving_by_id_s: *as_numbered,
             dwell_s: *dwell,
             total_s: moving + dwell * poses.len() as f64,
-            trade: decision.trade.as_ref().map(|trade| TradeDocument::new(trade, &decision.choice)),
-            gave_way: decision.gave_way.iter().map(|gone| GaveWayDocument::new(chooser, gone)).collect(),
+            trade: None,
+            gave_way: vec![],
             assumed_speeds: assumed.iter().map(|&j| joints[j].name.clone()).collect(),
         }
     }
