@@ -150,8 +150,7 @@ fn kick(instance: &Instance, selected: &[usize], rng: &mut impl Rng) -> Option<V
     first_allowed(instance, &kept, &others)
 }
 
-/// Greedy's picks, among an even sample where candidates are many and improved by exchange where they are singular, and the relaxation
-/// from there.
+/// The [start](nonsingular_start) of greedy's picks, and the relaxation from there.
 ///
 /// # Errors
 /// As [`improved_greedy`].
@@ -159,10 +158,18 @@ pub(crate) fn relax_from_greedy(
     instance: &Instance,
     settings: &RelaxationSettings,
 ) -> Result<(Vec<usize>, Relaxation), SelectionError> {
-    let picked = start_of_sample(instance)?;
-    let picked = if instance.is_singular(&picked) { improved_greedy(instance)? } else { picked };
+    let picked = nonsingular_start(instance)?;
     let relaxation = relax(instance, &picked, settings)?;
     Ok((picked, relaxation))
+}
+
+/// Greedy's picks, among an even sample where candidates are many and improved by exchange where they are singular.
+///
+/// # Errors
+/// As [`improved_greedy`].
+pub(crate) fn nonsingular_start(instance: &Instance) -> Result<Vec<usize>, SelectionError> {
+    let picked = start_of_sample(instance)?;
+    if instance.is_singular(&picked) { improved_greedy(instance) } else { Ok(picked) }
 }
 
 /// Greedy's picks and roundings of the relaxation, each once.

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::error::SelectionError;
 use super::greedy::{EVALUATED_PER_TASK, highest, sample, start};
-use super::instance::Instance;
+use super::instance::{Instance, Part};
 
 /// Least gain in log Φ that counts as one.
 const LEAST_GAIN: f64 = 1e-12;
@@ -18,8 +18,9 @@ const SOFTNESSES: [f64; 5] = [0.5, 0.2, 0.08, 0.03, 0.01];
 /// Candidates that a swap at a softness may bring in: the way there matters less than the end, which looks at all.
 const SOFT_WIDTH: usize = 150;
 
-/// Candidates that a swap may bring in where a sample has been improved.
+/// Candidates that swaps may bring in where a sample's picks are improved, those of all that score most; and how often they are looked for.
 const SAMPLED_WIDTH: usize = 3000;
+const LOOKS_AT_ALL: usize = 2;
 
 /// Average views for each of the k that are assumed known, ever fewer, while swaps lead out of the singular selections.
 const RIDGES: [f64; 3] = [1e-2, 1e-4, 1e-6];
@@ -39,17 +40,25 @@ pub fn improved_greedy(instance: &Instance) -> Result<Vec<usize>, SelectionError
     regular_of(instance, improved(instance, start(instance)?))
 }
 
-/// As [`improved_greedy`], but where candidates are many among an even sample of them, and from there by swaps for those of all that
-/// score most.
+/// As [`improved_greedy`], but where candidates are many by greedy's picks among an even sample of them, and from there by swaps for those
+/// of all that score most.
 ///
 /// # Errors
 /// As [`improved_greedy`].
 pub(crate) fn improved_sample(instance: &Instance) -> Result<Vec<usize>, SelectionError> {
-    let begun = sample(instance).and_then(|part| Some(part.members(&improved_greedy(&part.instance()).ok()?)));
-    match begun {
-        Some(selected) => regular_of(instance, ascend(instance, selected, SAMPLED_WIDTH)),
-        None => improved_greedy(instance),
+    let begun = sample(instance).and_then(|part| {
+        let picked = start(&part.instance()).ok()?;
+        Some(part.members(&picked)).filter(|picked| !instance.is_singular(picked))
+    });
+    let Some(mut selected) = begun else { return improved_greedy(instance) };
+    for _ in 0..LOOKS_AT_ALL {
+        let scores = instance.scores(&instance.gradient(&selected)?.y);
+        let highest = highest(&scores, |i| instance.is_open(i), SAMPLED_WIDTH);
+        let part = Part::new(instance, highest.into_iter().chain(selected.iter().copied()));
+        let improved = exchange(&part.instance(), part.places(&selected))?;
+        selected = part.members(&improved);
     }
+    regular_of(instance, selected)
 }
 
 /// `selected`, if they determine every parameter.

@@ -17,7 +17,7 @@ mod relaxation;
 mod search;
 
 pub use best::{Best, best};
-pub(crate) use best::{best_from_known, relax_from_greedy};
+pub(crate) use best::{best_from_known, nonsingular_start, relax_from_greedy};
 pub(crate) use best_first::BestFirst;
 pub use certificate::Certificate;
 pub use error::SelectionError;
@@ -31,5 +31,6 @@ pub(crate) use instance::{Part, Rules};
 use matrices::lanes;
 pub(crate) use matrices::packed;
 pub use matrices::{InformationError, InformationSet};
+pub(crate) use relaxation::relax_until;
 pub use relaxation::{Relaxation, RelaxationSettings, relax};
 pub use search::{Fewest, NotEnough, Refutation, Search, SearchEnd, SearchProgress, fewest, search, start_of_search};

@@ -108,11 +108,29 @@ pub fn relax(
     if start.len() < instance.count() {
         return Err(SelectionError::TooFew { count: instance.count(), found: start.len() });
     }
-    relaxed(instance, start, settings).ok_or_else(|| instance.unobservable(start))
+    relaxed(instance, start, settings, None).ok_or_else(|| instance.unobservable(start))
 }
 
-/// The relaxation; `None` if the start is singular.
-fn relaxed(instance: &Instance, start: &[usize], settings: &RelaxationSettings) -> Option<Relaxation> {
+/// As [`relax`], but ended as soon as the bound is below `floor` or the value is not.
+///
+/// # Errors
+/// When the start leaves a combination of the parameters undetermined.
+pub(crate) fn relax_until(
+    instance: &Instance,
+    start: &[usize],
+    settings: &RelaxationSettings,
+    floor: f64,
+) -> Result<Relaxation, SelectionError> {
+    relaxed(instance, start, settings, Some(floor)).ok_or_else(|| instance.unobservable(start))
+}
+
+/// The relaxation; `None` if the start is singular. With a `floor` it ends once it is known on which side of it the optimum is.
+fn relaxed(
+    instance: &Instance,
+    start: &[usize],
+    settings: &RelaxationSettings,
+    floor: Option<f64>,
+) -> Option<Relaxation> {
     let smooth = instance.is_smooth();
     let tolerance =
         if smooth { settings.tolerance } else { settings.tolerance.max(RelaxationSettings::KINK_TOLERANCE) };
@@ -124,12 +142,16 @@ fn relaxed(instance: &Instance, start: &[usize], settings: &RelaxationSettings) 
     let mut log_value = instance.log_value_at(&total);
     let mut best_weights = master.weighted();
     let mut rounds = 0;
-    while certificate.log_bound - log_value > tolerance && rounds < settings.max_rounds {
+    let is_open = |value: f64, bound: f64| floor.is_none_or(|floor| value < floor && bound >= floor);
+    while certificate.log_bound - log_value > tolerance
+        && is_open(log_value, certificate.log_bound)
+        && rounds < settings.max_rounds
+    {
         rounds += 1;
         master.drop_unused();
         master.add_columns(&scores, settings.columns_per_round.max(instance.count()));
         let goal = if smooth { 0.5 * tolerance } else { (0.01 * softness).max(0.1 * tolerance) };
-        let solved = master.solve(goal);
+        let solved = master.solve(goal, if smooth { floor } else { None });
         let total = master.total();
         // A certificate in hand holds whatever becomes of the weights.
         let Some(gradient) = master.instance.gradient_at(&total) else { break };
@@ -285,9 +307,9 @@ impl<'a> Master<'a> {
         capped + greatest.iter().map(|&i| reduced[i]).sum::<f64>() - dot(&own, &self.weights) - required
     }
 
-    /// Newton's method until no weights on the working set promise more than `tolerance`, to first order; whether it got
-    /// there.
-    fn solve(&mut self, tolerance: f64) -> bool {
+    /// Newton's method until no weights on the working set promise more than `tolerance`, to first order, or log Φ is at least
+    /// `enough`; whether it got there.
+    fn solve(&mut self, tolerance: f64, enough: Option<f64>) -> bool {
         let rows = self.cap_rows();
         let mut least_gap = f64::INFINITY;
         for _ in 0..MAX_NEWTON_STEPS {
@@ -298,7 +320,8 @@ impl<'a> Master<'a> {
             };
             let gradient = self.instance.scores_of(&y.y, &self.columns);
             let gap = self.gap(&gradient, &rows);
-            if gap <= tolerance {
+            let before = self.instance.log_value_at(&total);
+            if gap <= tolerance || enough.is_some_and(|enough| before >= enough) {
                 return true;
             }
             // Close to the optimum rounding hides the gain in log Φ; there the gap must fall instead.
@@ -311,7 +334,6 @@ impl<'a> Master<'a> {
             self.newton_steps += 1;
             let direction: Vec<f64> = target.iter().zip(&self.weights).map(|(t, w)| t - w).collect();
             let slope = dot(&direction, &gradient);
-            let before = self.instance.log_value_at(&total);
             let moved = |length: f64| -> Vec<f64> {
                 self.weights.iter().zip(&direction).map(|(w, d)| w + length * d).collect()
             };

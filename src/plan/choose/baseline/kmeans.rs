@@ -6,7 +6,7 @@ use rand::distributions::{Distribution, WeightedIndex};
 use rand_xoshiro::Xoshiro256Plus;
 
 use super::centres::Centres;
-use super::lloyd::Rounds;
+use super::lloyd::rounds;
 use super::points::{ClusteringError, Points, squared_distance};
 
 /// Clusters points from random starts (k-means++, then Lloyd's method), all from one seed: what was drawn for few clusters starts
@@ -37,7 +37,7 @@ impl<'a> KMeans<'a> {
         }
         let start = self.start(count).iter().map(|&i| points.point(i));
         let centres = Centres::new(points.width(), start);
-        let (centres, _) = Arch::new().dispatch(Rounds { points, centres });
+        let (centres, _) = rounds(points, centres);
         let nearest = Arch::new().dispatch(NearestPoints { points, centres: &centres });
         let mut taken = vec![false; points.len()];
         for (c, mut member) in nearest.into_iter().enumerate() {

@@ -1,12 +1,16 @@
 //! Lloyd's method.
 
 use pulp::{Arch, Simd, WithSimd};
+use rayon::prelude::*;
 
 use super::centres::{Centres, Nearest};
 use super::points::{Points, squared_distance};
 
 /// Most rounds; some twenty to fifty are common.
 const MOST_ROUNDS: usize = 300;
+
+/// Points that a thread looks at at a time.
+const POINTS_PER_TASK: usize = 1 << 15;
 
 /// Points in clusters.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,7 +27,7 @@ pub struct Clustering {
 /// the means of their points, until no point changes its cluster. A cluster that loses all its points stays where it is.
 pub fn lloyd(points: &Points, centres: &[Vec<f64>]) -> Clustering {
     let start = Centres::new(points.width(), centres.iter().map(Vec::as_slice));
-    let (centres, bounds) = Arch::new().dispatch(Rounds { points, centres: start });
+    let (centres, bounds) = rounds(points, start);
     let labels: Vec<usize> = bounds.iter().map(|bounds| bounds.label as usize).collect();
     let centres: Vec<Vec<f64>> = (0..centres.len()).map(|c| centres.get(c)).collect();
     let inertia = points.iter().zip(&labels).map(|(point, &c)| squared_distance(point, &centres[c])).sum();
@@ -39,71 +43,109 @@ pub(super) struct Bounds {
     lower: f64,
 }
 
-/// The rounds of [`lloyd`], from these centres on; compiled for every set of instructions that [`Arch`] tells apart.
+/// The rounds of [`lloyd`], from these centres on; the same on any number of threads.
 ///
 /// By Hamerly's bounds (*Making k-means even faster*, 2010) most points are seen to stay without looking at other centres than
 /// their own. Nothing is written of them, nor read but the bounds: what there is of a million points is in no cache.
-pub(super) struct Rounds<'a> {
-    pub(super) points: &'a Points,
-    pub(super) centres: Centres,
+pub(super) fn rounds(points: &Points, mut centres: Centres) -> (Centres, Vec<Bounds>) {
+    let mut bounds = vec![Bounds { label: 0, upper: f64::INFINITY, lower: 0.0 }; points.len()];
+    let none = vec![0.0; centres.len()];
+    let mut motion = Motion { half_gaps: none.clone(), travelled: none.clone(), approached: none };
+    join_nearest(points, &centres, &motion, &mut bounds);
+    let mut members = Clusters::new(points, &bounds, centres.len());
+    for _ in 0..MOST_ROUNDS {
+        motion.add(&to_means(&members, &mut centres), &centres);
+        let changes = join_nearest(points, &centres, &motion, &mut bounds);
+        for &Change { point, from, to } in &changes {
+            members.take(from, points.point(point));
+            members.put(to, points.point(point));
+        }
+        if changes.is_empty() && members.exact {
+            break;
+        }
+        if changes.is_empty() {
+            members = Clusters::new(points, &bounds, centres.len());
+        }
+    }
+    (centres, bounds)
 }
 
-impl WithSimd for Rounds<'_> {
-    type Output = (Centres, Vec<Bounds>);
+/// How the centres have moved.
+struct Motion {
+    /// Half of each centre's distance from the nearest other: a point within stays.
+    half_gaps: Vec<f64>,
+    /// Of each centre how far it has moved since the start, and how far any other may have come towards its points.
+    travelled: Vec<f64>,
+    approached: Vec<f64>,
+}
+
+impl Motion {
+    /// Of centres that moved so far to where they are.
+    fn add(&mut self, moves: &[f64], centres: &Centres) {
+        let farthest = (0..moves.len()).max_by(|&a, &b| moves[a].total_cmp(&moves[b])).unwrap_or(0);
+        let next = (0..moves.len()).filter(|&c| c != farthest).map(|c| moves[c]).fold(0.0, f64::max);
+        for c in 0..moves.len() {
+            // Itself is the nearest.
+            self.half_gaps[c] = 0.5 * centres.nearest(&centres.get(c)).second_squared.sqrt();
+            self.travelled[c] += moves[c];
+            self.approached[c] += if c == farthest { next } else { moves[farthest] };
+        }
+    }
+}
+
+/// A point leaves a cluster for another.
+struct Change {
+    point: usize,
+    from: usize,
+    to: usize,
+}
+
+/// Every point joins its nearest centre; those that leave another for it, in their order.
+fn join_nearest(points: &Points, centres: &Centres, motion: &Motion, bounds: &mut [Bounds]) -> Vec<Change> {
+    let pass = |(chunk, bounds): (usize, &mut [Bounds])| {
+        Arch::new().dispatch(Pass { points, first: chunk * POINTS_PER_TASK, centres, motion, bounds })
+    };
+    let changes: Vec<Vec<Change>> = bounds.par_chunks_mut(POINTS_PER_TASK).enumerate().map(pass).collect();
+    changes.into_iter().flatten().collect()
+}
+
+/// [`join_nearest`] for the points of some bounds, from `first` on; compiled for every set of instructions that [`Arch`] tells apart.
+struct Pass<'a> {
+    points: &'a Points,
+    first: usize,
+    centres: &'a Centres,
+    motion: &'a Motion,
+    bounds: &'a mut [Bounds],
+}
+
+impl WithSimd for Pass<'_> {
+    type Output = Vec<Change>;
 
     #[inline(always)]
     #[expect(clippy::inline_always, reason = "only so is it compiled for each set of instructions")]
     fn with_simd<S: Simd>(self, _: S) -> Self::Output {
-        let Self { points, mut centres } = self;
-        let mut bounds: Vec<Bounds> = Vec::with_capacity(points.len());
-        for point in points.iter() {
-            let Nearest { centre, squared, second_squared } = centres.nearest(point);
-            bounds.push(Bounds { label: centre as u32, upper: squared.sqrt(), lower: second_squared.sqrt() });
-        }
-        let mut members = Clusters::new(points, &bounds, centres.len());
-        let mut half_gaps = vec![0.0; centres.len()];
-        // Of each centre how far it has moved since the start, and how far any other may have come towards its points.
-        let (mut travelled, mut approached) = (half_gaps.clone(), half_gaps.clone());
-        for _ in 0..MOST_ROUNDS {
-            let moves = to_means(&members, &mut centres);
-            let farthest = (0..moves.len()).max_by(|&a, &b| moves[a].total_cmp(&moves[b])).unwrap_or(0);
-            let next = (0..moves.len()).filter(|&c| c != farthest).map(|c| moves[c]).fold(0.0, f64::max);
-            // Half of each centre's distance from the nearest other, itself being the nearest: a point within stays.
-            for c in 0..moves.len() {
-                half_gaps[c] = 0.5 * centres.nearest(&centres.get(c)).second_squared.sqrt();
-                travelled[c] += moves[c];
-                approached[c] += if c == farthest { next } else { moves[farthest] };
+        let Self { points, first, centres, motion, bounds } = self;
+        let Motion { half_gaps, travelled, approached } = motion;
+        let mut changes = Vec::new();
+        for (i, bounds) in (first..).zip(bounds) {
+            let label = bounds.label as usize;
+            let stays = half_gaps[label].max(bounds.lower - approached[label]);
+            if bounds.upper + travelled[label] <= stays {
+                continue;
             }
-            let mut changed = false;
-            for (i, bounds) in bounds.iter_mut().enumerate() {
-                let label = bounds.label as usize;
-                let stays = half_gaps[label].max(bounds.lower - approached[label]);
-                if bounds.upper + travelled[label] <= stays {
-                    continue;
+            let point = points.point(i);
+            let distance = centres.squared_distance(point, label).sqrt();
+            bounds.upper = distance - travelled[label];
+            if distance > stays {
+                let Nearest { centre, squared, second_squared } = centres.nearest(point);
+                if centre != label {
+                    changes.push(Change { point: i, from: label, to: centre });
                 }
-                let point = points.point(i);
-                let distance = centres.squared_distance(point, label).sqrt();
-                bounds.upper = distance - travelled[label];
-                if distance > stays {
-                    let Nearest { centre, squared, second_squared } = centres.nearest(point);
-                    if centre != label {
-                        members.take(label, point);
-                        members.put(centre, point);
-                        changed = true;
-                    }
-                    let (upper, lower) =
-                        (squared.sqrt() - travelled[centre], second_squared.sqrt() + approached[centre]);
-                    *bounds = Bounds { label: centre as u32, upper, lower };
-                }
-            }
-            if !changed && members.exact {
-                break;
-            }
-            if !changed {
-                members = Clusters::new(points, &bounds, centres.len());
+                let (upper, lower) = (squared.sqrt() - travelled[centre], second_squared.sqrt() + approached[centre]);
+                *bounds = Bounds { label: centre as u32, upper, lower };
             }
         }
-        (centres, bounds)
+        changes
     }
 }
 

@@ -3,13 +3,19 @@
 use rayon::prelude::*;
 
 use super::times::Times;
-use crate::selection::{Certificate, Gradient, Instance, Part, RelaxationSettings, relax_from_greedy};
+use crate::selection::{Certificate, Gradient, Instance, Part, RelaxationSettings, nonsingular_start, relax_until};
 
 /// Most views of which all pairs are looked at.
 const MOST_PAIRED: usize = 6000;
 
 /// Gap at which a relaxation tells whether a part of the views suffices.
 const TOLERANCE: f64 = 1e-3;
+
+/// Views that are looked at first where there are more.
+const FIRST: usize = 3000;
+
+/// A bound that could be higher by so small a share is not sharpened.
+const PRECISION: f64 = 0.01;
 
 /// Allowance in log Φ for the rounding of values.
 const ROUNDING: f64 = 1e-9;
@@ -56,45 +62,170 @@ impl Good<'_> {
             return 0.0;
         }
         let nearest = nearest(self.instance, self.joints, self.times, &open);
-        let joints = self.joints.first().map_or(0, |q| q.len());
         let k = self.instance.count();
-        let spans = (0..joints)
-            .into_par_iter()
-            .map(|joint| self.times.least_across(joint, self.span(&open, joint), k, nearest));
-        spans.reduce(|| 0.0, f64::max)
-    }
-
-    /// Values of a joint: every such set has a pose at the first or below, and one at the second or above.
-    fn span(&self, open: &[usize], joint: usize) -> [f64; 2] {
-        let value = |i: usize| self.joints[i][joint];
-        let mut values: Vec<f64> = open.iter().map(|&i| value(i)).collect();
-        values.sort_unstable_by(f64::total_cmp);
-        values.dedup();
-        let from = |place: usize| open.iter().copied().filter(|&i| value(i) >= values[place]).collect::<Vec<_>>();
-        let until = |place: usize| open.iter().copied().filter(|&i| value(i) <= values[place]).collect::<Vec<_>>();
-        let places: Vec<usize> = (0..values.len() - 1).collect();
-        let low = places.partition_point(|&place| !self.falls_short(&from(place + 1)));
-        let high = places.partition_point(|&place| self.falls_short(&until(place)));
-        [values[low], values[high]]
+        let across = |joint: usize, span: [f64; 2]| self.times.least_across(joint, span, k, nearest);
+        let mut spans: Vec<Span> = (0..self.joints[0].len()).map(|joint| Span::new(self, &open, joint)).collect();
+        let promises = |span: &Span| across(span.joint, span.widest());
+        spans.sort_by(|a, b| promises(b).total_cmp(&promises(a)));
+        let scores = Scores::new(self.instance, self.certificate);
+        let mut least = 0.0_f64;
+        for mut span in spans {
+            while !span.is_known() && promises(&span) > (1.0 + PRECISION) * least.max(across(span.joint, span.proven()))
+            {
+                span.narrow(self, &open, &scores);
+            }
+            least = least.max(across(span.joint, span.proven()));
+        }
+        least
     }
 
     /// Whether no such set is among `members`.
-    fn falls_short(&self, members: &[usize]) -> bool {
+    fn falls_short(&self, members: &[usize], scores: &Scores) -> bool {
         let holds_required = self.instance.required().iter().all(|i| members.binary_search(i).is_ok());
         if !holds_required || members.len() < self.instance.count() {
             return true;
         }
-        let part = Part::new(self.instance, members.iter().copied());
-        let instance = part.instance();
-        let Certificate { y, mixture, .. } = self.certificate;
-        let gradient = Gradient { y: y.clone(), mixture: mixture.clone() };
-        if Certificate::new(&instance, gradient, vec![]).is_ok_and(|bound| bound.log_bound < self.floor - ROUNDING) {
+        let floor = self.floor - ROUNDING;
+        if scores.log_bound(self.instance, members) < floor {
             return true;
         }
+        // Where the best of many suffice, the others need not be looked at.
+        let mut some = members.to_vec();
+        if members.len() > FIRST {
+            some.select_nth_unstable_by(FIRST, |&a, &b| scores.reduced[b].total_cmp(&scores.reduced[a]));
+            some.truncate(FIRST);
+        }
+        let Some(found) = self.relaxed(&some, None, floor) else { return false };
+        if found.log_value >= floor || members.len() <= FIRST {
+            return found.log_bound < floor;
+        }
+        self.relaxed(members, Some(found.weighted), floor).is_some_and(|found| found.log_bound < floor)
+    }
+
+    /// The relaxation on members, from equal weights on a start or on greedy's picks, until it is known on which side of the floor its
+    /// optimum is; none where the start is singular.
+    fn relaxed(&self, members: &[usize], start: Option<Vec<usize>>, floor: f64) -> Option<Relaxed> {
+        let part = Part::new(self.instance, members.iter().copied());
+        let instance = part.instance();
+        let start = match start {
+            Some(start) => part.places(&start),
+            None => nonsingular_start(&instance).ok()?,
+        };
         let settings = RelaxationSettings { tolerance: TOLERANCE, ..RelaxationSettings::default() };
-        match relax_from_greedy(&instance, &settings) {
-            Ok((_, relaxation)) => relaxation.certificate.log_bound < self.floor - ROUNDING,
-            Err(_) => false,
+        let found = relax_until(&instance, &start, &settings, floor).ok()?;
+        let weighted: Vec<usize> = found.weights.iter().map(|&(place, _)| place).collect();
+        Some(Relaxed {
+            log_value: found.log_value,
+            log_bound: found.certificate.log_bound,
+            weighted: part.members(&weighted),
+        })
+    }
+}
+
+/// What a relaxation came to.
+struct Relaxed {
+    log_value: f64,
+    log_bound: f64,
+    /// The views of positive weight.
+    weighted: Vec<usize>,
+}
+
+/// Values of a joint: every such set has a pose at the lower one or below, and one at the upper one or above.
+struct Span {
+    joint: usize,
+    /// All values of the open views, ascending, each once.
+    values: Vec<f64>,
+    /// Places of the least lower value and the greatest upper one that can be proven: from the first to the second, the second of
+    /// `lower` and the first of `upper` being proven.
+    lower: [usize; 2],
+    upper: [usize; 2],
+}
+
+impl Span {
+    fn new(good: &Good, open: &[usize], joint: usize) -> Self {
+        let mut values: Vec<f64> = open.iter().map(|&i| good.joints[i][joint]).collect();
+        values.sort_unstable_by(f64::total_cmp);
+        values.dedup();
+        let last = values.len() - 1;
+        Self { joint, values, lower: [0, last], upper: [0, last] }
+    }
+
+    fn is_known(&self) -> bool {
+        self.lower[0] == self.lower[1] && self.upper[0] == self.upper[1]
+    }
+
+    /// The values that are proven.
+    fn proven(&self) -> [f64; 2] {
+        [self.values[self.lower[1]], self.values[self.upper[0]]]
+    }
+
+    /// The values that might yet be.
+    fn widest(&self) -> [f64; 2] {
+        [self.values[self.lower[0]], self.values[self.upper[1]]]
+    }
+
+    /// Halves the one of its ends of which less is known.
+    fn narrow(&mut self, good: &Good, open: &[usize], scores: &Scores) {
+        let unknown = |[from, to]: [usize; 2]| self.values[to] - self.values[from];
+        let value = |i: usize| good.joints[i][self.joint];
+        let middle = |[from, to]: [usize; 2]| usize::midpoint(from, to);
+        if unknown(self.lower) >= unknown(self.upper) && self.lower[0] < self.lower[1] {
+            let place = middle(self.lower);
+            let above: Vec<usize> = open.iter().copied().filter(|&i| value(i) > self.values[place]).collect();
+            if good.falls_short(&above, scores) {
+                self.lower[1] = place;
+            } else {
+                self.lower[0] = place + 1;
+            }
+        } else {
+            let place = middle(self.upper);
+            let until: Vec<usize> = open.iter().copied().filter(|&i| value(i) <= self.values[place]).collect();
+            if good.falls_short(&until, scores) {
+                self.upper[0] = place + 1;
+            } else {
+                self.upper[1] = place;
+            }
         }
     }
+}
+
+/// What a certificate says of parts of the views.
+struct Scores {
+    /// Of each view, less the prices of its caps.
+    reduced: Vec<f64>,
+    /// The sum of the greatest of all views, and all that the bound is made of.
+    greatest: f64,
+    total: f64,
+    log_bound: f64,
+}
+
+impl Scores {
+    fn new(instance: &Instance, certificate: &Certificate) -> Self {
+        let mut reduced = instance.scores(&certificate.y);
+        instance.rules().reduce(&mut reduced, &certificate.prices);
+        let gradient = Gradient { y: certificate.y.clone(), mixture: certificate.mixture.clone() };
+        let total = (certificate.log_bound + instance.log_polar(&gradient)).exp();
+        let all: Vec<usize> = (0..instance.len()).collect();
+        let greatest = greatest(instance, &reduced, &all);
+        Self { reduced, greatest, total, log_bound: certificate.log_bound }
+    }
+
+    /// What log Φ of no set among `members`, which hold the required ones, surpasses.
+    fn log_bound(&self, instance: &Instance, members: &[usize]) -> f64 {
+        let less = self.greatest - greatest(instance, &self.reduced, members);
+        // Not a number where the certificate bounds nothing.
+        self.log_bound + (1.0 - less / self.total).max(0.0).ln()
+    }
+}
+
+/// The sum of the greatest scores of as many members as are chosen freely.
+fn greatest(instance: &Instance, scores: &[f64], members: &[usize]) -> f64 {
+    let free = instance.count() - instance.required().len();
+    let mut open: Vec<f64> = members.iter().filter(|&&i| instance.is_open(i)).map(|&i| scores[i]).collect();
+    if free < open.len() {
+        open.select_nth_unstable_by(free, |a, b| b.total_cmp(a));
+        open.truncate(free);
+    }
+    open.sort_unstable_by(f64::total_cmp);
+    open.iter().sum()
 }

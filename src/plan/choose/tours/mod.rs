@@ -80,7 +80,8 @@ impl Chooser<'_> {
     ) -> Result<(Choice, Trade), PlanError> {
         let instance = self.instance(choice.selected.len())?;
         let times = Times::new(&self.problem().motion);
-        let (before, found) = self.fastest(&instance, &times, &choice, certificate, floor);
+        let open = certificate.open_above(&instance, floor);
+        let (before, found) = self.fastest(&instance, &times, &choice, open, floor);
         let good = Good { instance: &instance, certificate, floor, joints: &self.survey().joints(), times: &times };
         let count = choice.selected.len();
         let total = |moving: f64| times.total(moving, count);
@@ -92,17 +93,16 @@ impl Chooser<'_> {
         Ok((choice, trade))
     }
 
-    /// The choice with its tour, and the fastest set found whose log Φ is at least `floor`.
+    /// The choice with its tour, and the fastest set found whose log Φ is at least `floor`, from those of the views that score most.
     fn fastest(
         &self,
         instance: &Instance,
         times: &Times,
         choice: &Choice,
-        certificate: &Certificate,
+        mut open: Vec<(usize, f64)>,
         floor: f64,
     ) -> (Route, Route) {
         let survey = self.survey();
-        let mut open = certificate.open_above(instance, floor);
         open.sort_unstable_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
         open.truncate(POOL);
         let pool = open.into_iter().map(|(i, _)| i);
@@ -133,7 +133,7 @@ pub(super) fn pull_together(problem: &Problem, survey: &mut Survey) -> Result<()
         let count = survey.good.len();
         let instance = chooser.instance(count)?;
         let times = Times::new(&problem.motion);
-        let (choice, certificate) = chooser.best(count, settings.seed)?;
+        let choice = chooser.assess(survey.good.clone());
         let (start, aim) = match &settings.goal {
             Goal::Within { seconds, .. } => {
                 (choice.selected, Aim::MostInformation { most: seconds - times.total(0.0, count) })
@@ -143,7 +143,9 @@ pub(super) fn pull_together(problem: &Problem, survey: &mut Survey) -> Result<()
                 if goal.proves_fewest() {
                     floor = if by_time { 0.0 } else { floor.max(0.0) };
                 }
-                (chooser.fastest(&instance, &times, &choice, &certificate, floor).1.order, Aim::LeastTime { floor })
+                let scores = instance.scores(&instance.gradient(&choice.selected).map_err(|e| chooser.explain(e))?.y);
+                let open = (0..scores.len()).filter(|&i| instance.is_open(i)).map(|i| (i, scores[i])).collect();
+                (chooser.fastest(&instance, &times, &choice, open, floor).1.order, Aim::LeastTime { floor })
             }
         };
         let search = LocalSearch::new(problem, survey, chooser.objective());
