@@ -22,7 +22,7 @@ use super::limits::JointLimits;
 ///
 /// The duration is a metric, for τ, σ and ρ are norms of d. If moves with x₁, A₁ and x₂, A₂ lead round a corner, `x = x₁ + x₂` and
 /// `A = A₁ + A₂` are allowed on the straight line: A/x is a mean of the Aᵢ/xᵢ, and ρ/A no more than one of the ρᵢ/Aᵢ, so each is
-/// at most the sum of those round the corner, and so is all of the time. A stop on the way never saves time.
+/// at most the sum of those round the corner, which keeps to `A/x + ρ/A ≤ x` too and takes no longer. A stop on the way never saves time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Profile {
     /// x: the time that the whole path takes at its greatest speed, s.
