@@ -12,7 +12,7 @@ const MOST_PAIRED: usize = 6000;
 const TOLERANCE: f64 = 1e-3;
 
 /// Views that are looked at first where there are more.
-const FIRST: usize = 3000;
+pub(super) const FIRST: usize = 3000;
 
 /// A bound that could be higher by so small a share is not sharpened.
 const PRECISION: f64 = 0.01;
@@ -28,6 +28,8 @@ pub(super) struct Good<'a> {
     /// Joint values of all views.
     pub(super) joints: &'a [&'a [f64]],
     pub(super) times: &'a Times<'a>,
+    /// So many of the views are looked at first where there are more: [`FIRST`].
+    pub(super) first: usize,
 }
 
 /// Least time of the move between two of `members` that may be chosen together, s; 0 where they are too many to tell.
@@ -91,12 +93,12 @@ impl Good<'_> {
         }
         // Where the best of many suffice, the others need not be looked at.
         let mut some = members.to_vec();
-        if members.len() > FIRST {
-            some.select_nth_unstable_by(FIRST, |&a, &b| scores.reduced[b].total_cmp(&scores.reduced[a]));
-            some.truncate(FIRST);
+        if members.len() > self.first {
+            some.select_nth_unstable_by(self.first, |&a, &b| scores.reduced[b].total_cmp(&scores.reduced[a]));
+            some.truncate(self.first);
         }
         let Some(found) = self.relaxed(&some, None, floor) else { return false };
-        if found.log_value >= floor || members.len() <= FIRST {
+        if found.log_value >= floor || members.len() <= self.first {
             return found.log_bound < floor;
         }
         self.relaxed(members, Some(found.weighted), floor).is_some_and(|found| found.log_bound < floor)
@@ -212,8 +214,11 @@ impl Scores {
 
     /// What log Φ of no set among `members`, which hold the required ones, surpasses.
     fn log_bound(&self, instance: &Instance, members: &[usize]) -> f64 {
-        let less = self.greatest - greatest(instance, &self.reduced, members);
         // Not a number where the certificate bounds nothing.
+        if self.total.is_nan() {
+            return f64::INFINITY;
+        }
+        let less = self.greatest - greatest(instance, &self.reduced, members);
         self.log_bound + (1.0 - less / self.total).max(0.0).ln()
     }
 }

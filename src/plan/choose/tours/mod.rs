@@ -20,7 +20,7 @@ use super::off_grid::LocalSearch;
 use crate::plan::survey::Survey;
 use crate::problem::{Goal, Least, Problem};
 use crate::selection::{Certificate, Instance};
-use bound::Good;
+use bound::{FIRST, Good};
 use pulls::Pull;
 pub(crate) use spares::journey;
 pub use spares::{GaveWay, Led};
@@ -82,7 +82,8 @@ impl Chooser<'_> {
         let times = Times::new(&self.problem().motion);
         let open = certificate.open_above(&instance, floor);
         let (before, found) = self.fastest(&instance, &times, &choice, open, floor);
-        let good = Good { instance: &instance, certificate, floor, joints: &self.survey().joints(), times: &times };
+        let joints = self.survey().joints();
+        let good = Good { instance: &instance, certificate, floor, joints: &joints, times: &times, first: FIRST };
         let count = choice.selected.len();
         let total = |moving: f64| times.total(moving, count);
         let mut trade = Trade { best: None, least_seconds: Some(total(good.least_moving())), most_poses: None };

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::bound::{Good, nearest};
+use super::bound::{FIRST, Good, nearest};
 use super::swaps::{Aim, Market, Route};
 use super::{POOL, Times, Toured};
 use crate::plan::choose::choice::Choice;
@@ -151,6 +151,7 @@ impl<'a> Numbers<'a> {
                 floor: 0.0,
                 joints: &self.joints,
                 times: &self.times,
+                first: FIRST,
             };
             bound = bound.min(self.times.total(good.least_moving(), count));
         }
