@@ -8,7 +8,7 @@ use crate::robot::JointKind;
 /// Longest move and longest dwell, s: a day. Also keeps every sum of them within ROS's 32 bits of seconds.
 const MOST_SECONDS: f64 = 86_400.0;
 
-/// Largest joint value, speed, acceleration and limited jerk, in rad or m and their rates: beyond every robot, and few digits as a decimal.
+/// Largest joint value, speed and acceleration, in rad or m and their rates: beyond every robot, and few digits as a decimal.
 const MOST: f64 = 1e6;
 
 /// A tour of stops, at each of which a picture is taken.
@@ -153,10 +153,12 @@ impl Program<'_> {
             if name.is_empty() || !names.insert(name) {
                 return Err(ExportError::JointName { name: name.to_owned() });
             }
-            let jerk = if joint.jerk == f64::INFINITY { MOST } else { joint.jerk };
-            for (what, value) in [("speed", joint.speed), ("acceleration", joint.acceleration), ("jerk", jerk)] {
+            for (what, value) in [("speed", joint.speed), ("acceleration", joint.acceleration)] {
                 within(&format!("the greatest {what} of \"{name}\""), value, 1e-9, MOST, "1e-9 to 1e6 in SI units")?;
             }
+            // It stands in no file.
+            let expected = "1e-9 in SI units or more, or infinite";
+            within(&format!("the greatest jerk of \"{name}\""), joint.jerk, 1e-9, f64::INFINITY, expected)?;
         }
         Ok(())
     }
@@ -230,6 +232,13 @@ mod tests {
         assert!(fault(&Program { stops: &wrong, ..good.clone() }).starts_with("the time of the move to pose 3 is 0"));
         wrong[1].q[2] = f64::INFINITY;
         assert!(fault(&Program { stops: &wrong, ..good.clone() }).starts_with("\"joint_3\" of pose 3 is inf"));
+        let mut jerky = joints.clone();
+        jerky[1].jerk = 2e7;
+        assert_eq!(Program { joints: &jerky, ..good.clone() }.check(), Ok(()));
+        jerky[1].jerk = 0.0;
+        assert!(
+            fault(&Program { joints: &jerky, ..good.clone() }).starts_with("the greatest jerk of \"joint_2\" is 0")
+        );
         let mut twice = joints.clone();
         twice[1].name = "joint_1".into();
         assert!(fault(&Program { joints: &twice, ..good }).starts_with("a joint is called \"joint_1\""));

@@ -84,17 +84,19 @@ pub(crate) fn run(arguments: &ExportArguments, screen: &mut Screen) -> Result<()
     let names: Vec<&str> = named.iter().filter_map(|(name, _)| name.to_str()).collect();
     let mut said = format!("Written to {}: {}.", folder.display(), names.join(", "));
     if arguments.holds_tour() {
-        said += &caution(&planned, program.home.is_some());
+        said += &caution(&planned, path, program.home.is_some());
     }
     screen.text(&wrapped(&said))
 }
 
-/// What to heed before the robot moves.
-fn caution(planned: &PlannedPoses, has_home: bool) -> String {
+/// What to heed before the robot moves along the tour of the plan at `path`.
+fn caution(planned: &PlannedPoses, path: &Path, has_home: bool) -> String {
     let safe = match &planned.tour {
-        Some(tour) if tour.blocked().next().is_some() => " NOT ALL MOVES ARE SAFE: see what `calipose plan` said.",
-        Some(tour) if tour.moves.iter().all(|found| found.clearance_m.is_some()) => "",
-        _ => " The moves from pose to pose were not tested for collision.",
+        Some(tour) if tour.blocked().next().is_some() => {
+            format!(" NOT ALL MOVES ARE SAFE: see `tour.moves` in {}.", path.display())
+        }
+        Some(tour) if tour.moves.iter().all(|found| found.clearance_m.is_some()) => String::new(),
+        _ => " The moves from pose to pose were not tested for collision.".to_owned(),
     };
     let start = if has_home { "home" } else { "the first pose" };
     format!(
@@ -140,7 +142,7 @@ impl ExportArguments {
     }
 }
 
-/// The poses in the order of its tour and the turns between them, and where it begins, with the times of the moves.
+/// The poses in the order of their tour and the turns between them, and where it begins, with the times of the moves.
 fn stops(planned: &PlannedPoses, motion: &MotionSettings) -> (Vec<Stop>, Option<Home>) {
     let limits = motion.limits();
     let home = motion.home.as_ref();

@@ -5,6 +5,7 @@
 use std::sync::Arc;
 
 use crate::feasibility::View;
+use crate::motion::journey::Journey;
 use crate::plan::choose::{Chooser, Moved, PlanError, PolishSettings, Poses, journey, moved};
 use crate::plan::document::{
     Document, GridPlan, Intrinsics, PROVEN, Plan, PlannedPose, PolishedPlan, RobustnessDocument, TourDocument,
@@ -29,6 +30,8 @@ pub struct Polished {
     pub sigma: Vec<f64>,
     /// Expected RMS map error in px; infinite if an intrinsic is undetermined.
     pub map_error: f64,
+    /// The moves through the views, numbered as they are listed, home after them.
+    pub journey: Journey,
     /// Cycles over all poses.
     pub cycles: usize,
     /// Whether the last cycle gained less than the least gain.
@@ -41,7 +44,6 @@ impl Polished {
         let gain = (self.log_value - self.grid_log_value).exp();
         let poses = self.views.iter().zip(&self.shares);
         let poses: Vec<PlannedPose> = poses.map(|(view, &share)| PlannedPose::new(problem, view, share)).collect();
-        let stops: Vec<&[f64]> = self.views.iter().map(|view| view.q.as_slice()).collect();
         PolishedPlan {
             header: PolishedPlan::header(),
             problem: plan.problem.clone(),
@@ -66,7 +68,7 @@ impl Polished {
                 certificate: plan.certificate.grid.clone(),
             },
             joints: plan.joints.clone(),
-            tour: Some(TourDocument::through(problem, &poses, &journey(problem, &stops))),
+            tour: Some(TourDocument::through(problem, &poses, &self.journey)),
             poses,
         }
     }
@@ -94,7 +96,9 @@ pub fn polish(
         M += unpack(&information.ok_or_else(|| SurveyError::undetermined(problem))?, M.nrows());
     }
     let (sigma, map_error) = chooser.accuracy(&M);
+    let stops: Vec<&[f64]> = poses.views().map(|view| view.q.as_slice()).collect();
     Ok(Polished {
+        journey: journey(problem, &stops),
         shares: shares(chooser, &poses)?,
         views: poses.views().cloned().collect(),
         grid_log_value: grid.log_value,

@@ -143,7 +143,7 @@ impl<'a> Chooser<'a> {
     }
 
     /// The views known to be good together, where they are a choice such as asked for.
-    fn known_to_be_good(&self, instance: &Instance) -> Option<&'a [usize]> {
+    pub(super) fn known_to_be_good(&self, instance: &Instance) -> Option<&'a [usize]> {
         let good = self.survey.good.as_slice();
         let is_choice = good.len() == instance.count() && instance.required().iter().all(|i| good.contains(i));
         (is_choice && !instance.is_singular(good)).then_some(good)

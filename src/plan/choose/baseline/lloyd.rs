@@ -202,6 +202,8 @@ fn to_means(members: &Clusters, centres: &mut Centres) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
+    use rand::{Rng, SeedableRng};
+    use rand_xoshiro::Xoshiro256Plus;
 
     use super::*;
 
@@ -215,28 +217,42 @@ mod tests {
             let points = Points::new(&points).unwrap();
             let start: Vec<Vec<f64>> = (0..count.min(points.len())).map(|c| points.point(c).to_vec()).collect();
             let found = lloyd(&points, &start);
-            let mut centres = start;
-            let mut labels: Vec<usize> = vec![];
-            loop {
-                let nearest = |point: &[f64]| {
-                    let squared = centres.iter().map(|centre| squared_distance(point, centre)).enumerate();
-                    squared.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap().0
-                };
-                let now: Vec<usize> = points.iter().map(nearest).collect();
-                if now == labels {
-                    break;
-                }
-                labels = now;
-                for (c, centre) in centres.iter_mut().enumerate() {
-                    let own: Vec<&[f64]> = points.iter().zip(&labels).filter(|&(_, &l)| l == c).map(|(p, _)| p).collect();
-                    if !own.is_empty() {
-                        let mean = |i: usize| own.iter().map(|point| point[i]).sum::<f64>() / own.len() as f64;
-                        *centre = (0..2).map(mean).collect();
-                    }
+            prop_assert_eq!(found, plainly(&points, start));
+        }
+    }
+
+    #[test]
+    fn many_points_are_looked_at_in_parts() {
+        let mut rng = Xoshiro256Plus::seed_from_u64(2);
+        let count = 2 * POINTS_PER_TASK + 1000;
+        let points: Vec<[f64; 2]> = (0..count).map(|_| [rng.gen_range(-1.0..1.0), rng.gen_range(-1.0..1.0)]).collect();
+        let points = Points::new(&points).unwrap();
+        let start: Vec<Vec<f64>> = (0..5).map(|c| points.point(c * POINTS_PER_TASK / 2).to_vec()).collect();
+        assert_eq!(lloyd(&points, &start), plainly(&points, start));
+    }
+
+    /// The same in the plane without bounds, point by point.
+    fn plainly(points: &Points, mut centres: Vec<Vec<f64>>) -> Clustering {
+        let mut labels: Vec<usize> = vec![];
+        loop {
+            let nearest = |point: &[f64]| {
+                let squared = centres.iter().map(|centre| squared_distance(point, centre)).enumerate();
+                squared.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap().0
+            };
+            let now: Vec<usize> = points.iter().map(nearest).collect();
+            if now == labels {
+                break;
+            }
+            labels = now;
+            for (c, centre) in centres.iter_mut().enumerate() {
+                let own: Vec<&[f64]> = points.iter().zip(&labels).filter(|&(_, &l)| l == c).map(|(p, _)| p).collect();
+                if !own.is_empty() {
+                    let mean = |i: usize| own.iter().map(|point| point[i]).sum::<f64>() / own.len() as f64;
+                    *centre = (0..2).map(mean).collect();
                 }
             }
-            let inertia: f64 = points.iter().zip(&labels).map(|(p, &c)| squared_distance(p, &centres[c])).sum();
-            prop_assert_eq!(found, Clustering { centres, labels, inertia });
         }
+        let inertia: f64 = points.iter().zip(&labels).map(|(p, &c)| squared_distance(p, &centres[c])).sum();
+        Clustering { centres, labels, inertia }
     }
 }

@@ -100,13 +100,13 @@ impl Chooser<'_> {
         instance: &Instance,
         times: &Times,
         choice: &Choice,
-        mut open: Vec<(usize, f64)>,
+        mut scored: Vec<(usize, f64)>,
         floor: f64,
     ) -> (Route, Route) {
         let survey = self.survey();
-        open.sort_unstable_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-        open.truncate(POOL);
-        let pool = open.into_iter().map(|(i, _)| i);
+        scored.sort_unstable_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        scored.truncate(POOL);
+        let pool = scored.into_iter().map(|(i, _)| i);
         let joints = survey.joints();
         let market = Market::new(instance, &joints, times, pool, self.problem().selection.seed);
         let before = market.route(&choice.selected);
@@ -134,7 +134,10 @@ pub(super) fn pull_together(problem: &Problem, survey: &mut Survey) -> Result<()
         let count = survey.good.len();
         let instance = chooser.instance(count)?;
         let times = Times::new(&problem.motion);
-        let choice = chooser.assess(survey.good.clone());
+        let choice = match chooser.known_to_be_good(&instance) {
+            Some(good) => chooser.assess(good.to_vec()),
+            None => chooser.best(count, settings.seed)?.0,
+        };
         let (start, aim) = match &settings.goal {
             Goal::Within { seconds, .. } => {
                 (choice.selected, Aim::MostInformation { most: seconds - times.total(0.0, count) })
@@ -145,8 +148,8 @@ pub(super) fn pull_together(problem: &Problem, survey: &mut Survey) -> Result<()
                     floor = if by_time { 0.0 } else { floor.max(0.0) };
                 }
                 let scores = instance.scores(&instance.gradient(&choice.selected).map_err(|e| chooser.explain(e))?.y);
-                let open = (0..scores.len()).filter(|&i| instance.is_open(i)).map(|i| (i, scores[i])).collect();
-                (chooser.fastest(&instance, &times, &choice, open, floor).1.order, Aim::LeastTime { floor })
+                let scored = (0..scores.len()).filter(|&i| instance.is_open(i)).map(|i| (i, scores[i])).collect();
+                (chooser.fastest(&instance, &times, &choice, scored, floor).1.order, Aim::LeastTime { floor })
             }
         };
         let search = LocalSearch::new(problem, survey, chooser.objective());
