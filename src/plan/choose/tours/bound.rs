@@ -82,7 +82,7 @@ impl Good<'_> {
     }
 
     /// Whether no such set is among `members`.
-    fn falls_short(&self, members: &[usize], scores: &Scores) -> bool {
+    pub(super) fn falls_short(&self, members: &[usize], scores: &Scores) -> bool {
         let holds_required = self.instance.required().iter().all(|i| members.binary_search(i).is_ok());
         if !holds_required || members.len() < self.instance.count() {
             return true;
@@ -192,7 +192,7 @@ impl Span {
 }
 
 /// What a certificate says of parts of the views.
-struct Scores {
+pub(super) struct Scores {
     /// Of each view, less the prices of its caps.
     reduced: Vec<f64>,
     /// The sum of the greatest of all views, and all that the bound is made of.
@@ -202,7 +202,7 @@ struct Scores {
 }
 
 impl Scores {
-    fn new(instance: &Instance, certificate: &Certificate) -> Self {
+    pub(super) fn new(instance: &Instance, certificate: &Certificate) -> Self {
         let mut reduced = instance.scores(&certificate.y);
         instance.rules().reduce(&mut reduced, &certificate.prices);
         let gradient = Gradient { y: certificate.y.clone(), mixture: certificate.mixture.clone() };

@@ -5,7 +5,7 @@ use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::Times;
-use super::bound::{Good, nearest};
+use super::bound::{Good, Scores, nearest};
 use super::swaps::{Aim, Market};
 use crate::motion::JointLimits;
 use crate::problem::{Home, MotionSettings};
@@ -146,6 +146,45 @@ fn trades_are_allowed_and_about_as_good_as_the_best_of_all_sets() {
         assert!(found.log_value > greatest - 0.5, "seed {seed}: {} {greatest}", found.log_value);
     }
     assert!(best_times > RUNS * 2 / 3 && best_values > RUNS * 2 / 3, "{best_times} {best_values} of {RUNS}");
+}
+
+/// Where views are said not to suffice none of their sets does, even if the best few of them do not and others do.
+#[test]
+fn views_that_fall_short_hold_no_good_set() {
+    let mut short = 0;
+    for seed in 0..RUNS as u64 {
+        let small = Small::random(seed);
+        let function = InformationFunction::Determinant;
+        let term = Term { candidates: &small.candidates, prior: None, function: &function, share: 1.0 };
+        let instance = Instance::constrained(&[term], COUNT, small.constraints.clone()).unwrap();
+        let times = Times::new(&small.motion);
+        let joints = small.joints();
+        let all = small.all(&instance, &times);
+        let first = best(&instance, &RelaxationSettings::default(), 0).unwrap();
+        let certificate = &first.relaxation.certificate;
+        let scores = Scores::new(&instance, certificate);
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
+        for _ in 0..20 {
+            let members: Vec<usize> = (0..joints.len()).filter(|_| rng.gen_bool(0.7)).collect();
+            let holds = |set: &[usize]| set.iter().all(|i| members.contains(i));
+            let of_members = all.iter().filter(|(set, ..)| holds(set)).map(|(_, log_value, _)| *log_value);
+            let greatest = of_members.fold(f64::NEG_INFINITY, f64::max);
+            if greatest == f64::NEG_INFINITY {
+                continue;
+            }
+            // A little below what they reach, and much above it.
+            for floor in [greatest - 1e-6, greatest + 3.0] {
+                for few in [joints.len(), COUNT + 1] {
+                    let good =
+                        Good { instance: &instance, certificate, floor, joints: &joints, times: &times, first: few };
+                    let found = good.falls_short(&members, &scores);
+                    assert!(!found || greatest < floor, "seed {seed}: {greatest} {floor}");
+                    short += usize::from(found);
+                }
+            }
+        }
+    }
+    assert!(short > 10 * RUNS, "{short}");
 }
 
 #[test]
