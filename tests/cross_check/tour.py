@@ -1,4 +1,4 @@
-"""The order of a plan's poses and its times by Ruckig and python-tsp.
+"""The order of a plan's poses, or polished ones, and its times by Ruckig and python-tsp.
 
     python tests/cross_check/tour.py PLAN PROBLEM [PLAN PROBLEM ...]
 
