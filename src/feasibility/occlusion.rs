@@ -46,25 +46,55 @@ impl Occlusion {
         for solid in Placed::all(&self.solids, X_BL) {
             let may_hide = sight.passes(&solid)
                 && solid.extent(&normal_B) > board + FLUSH
-                && !(self.may_hold[solid.solid.link] && solid.holds(&sight.camera))
-                && solid.meets(&sight.hull);
-            if !may_hide {
-                continue;
-            }
-            for (hidden, corner) in hidden.iter_mut().zip(&corners_B).filter(|(hidden, _)| !**hidden) {
-                *hidden = solid.meets(&Core::Segment([sight.camera, *corner]));
+                && !(self.may_hold[solid.solid.link] && solid.holds(&sight.camera));
+            if may_hide {
+                hide(&solid, &sight.camera, X_BT, corners, &corners_B, &mut hidden);
             }
         }
         hidden
     }
 }
 
-/// All that lies between the camera and the corners: their convex hull, and a cone around it.
+/// No more corners than this are looked at one by one without a look at all of them.
+const FEW: usize = 2;
+
+/// Those of the corners, in T and in the base frame, that the solid hides from the camera: of all, of halves of them and so on until
+/// the solid lies beside the hull of the camera and their box.
+fn hide(
+    solid: &Placed,
+    camera: &Point3<f64>,
+    X_BT: &Pose,
+    corners: &[Point3<f64>],
+    corners_B: &[Point3<f64>],
+    hidden: &mut [bool],
+) {
+    if corners.len() <= FEW {
+        for (hidden, corner) in hidden.iter_mut().zip(corners_B).filter(|(hidden, _)| !**hidden) {
+            *hidden = solid.meets(&Core::Segment([*camera, *corner]));
+        }
+    } else if solid.meets(&Core::Hull(std::iter::once(*camera).chain(around(X_BT, corners)).collect())) {
+        let middle = corners.len() / 2;
+        let [(left, right), (left_B, right_B)] = [corners, corners_B].map(|corners| corners.split_at(middle));
+        let (left_hidden, right_hidden) = hidden.split_at_mut(middle);
+        hide(solid, camera, X_BT, left, left_B, left_hidden);
+        hide(solid, camera, X_BT, right, right_B, right_hidden);
+    }
+}
+
+/// Corners in the base frame of the box in T around points in T; of a rectangle where they are all in one plane of the board's.
+fn around(X_BT: &Pose, points: &[Point3<f64>]) -> impl Iterator<Item = Point3<f64>> {
+    let first = points.first().copied().unwrap_or_default();
+    let (low, high) = points.iter().fold((first, first), |(low, high), p| (low.inf(p), high.sup(p)));
+    let of = move |corner: usize, axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
+    let corners = 0..if low.z == high.z { 4 } else { 8 };
+    corners.map(move |corner| X_BT * Point3::new(of(corner, 0), of(corner, 1), of(corner, 2)))
+}
+
+/// A cone that holds all that lies between the camera and the corners.
 struct Sight {
     camera: Point3<f64>,
-    hull: Core,
+    /// Direction of the cone's axis, and its length, m.
     axis: Vector3<f64>,
-    /// Length of the cone, m.
     length: f64,
     /// Of the angle between the cone's axis and its side.
     cos: f64,
@@ -83,8 +113,7 @@ impl Sight {
             cos = cos.min(ray.dot(&axis) / ray.norm());
         }
         let sin = (1.0 - cos * cos).max(0.0).sqrt();
-        let hull = Core::Hull(std::iter::once(camera).chain(corners.iter().copied()).collect());
-        Some(Self { camera, hull, axis, length, cos, sin })
+        Some(Self { camera, axis, length, cos, sin })
     }
 
     /// Whether the sphere around `solid` reaches into the cone. Cheap, and never "no" where the solid does.
