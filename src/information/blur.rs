@@ -54,6 +54,12 @@ impl Blur {
         Self { turning: 0.0, moving: 0.0, ..self }
     }
 
+    /// Whether no edge is wider than a sharp one, wherever it is seen.
+    #[inline]
+    pub(crate) fn is_sharp(&self) -> bool {
+        self.aperture == 0.0 && self.turning == 0.0 && self.moving == 0.0
+    }
+
     /// Share that is left of what an edge tells at a `vergence`, in 1/m.
     pub(crate) fn edge(&self, vergence: f64) -> f64 {
         SHARP / self.width(vergence)
@@ -106,5 +112,9 @@ mod tests {
         for (blur, vergence) in [(LENS, 2.0), (Blur::NONE, 7.0), (Blur::NONE, 0.0)] {
             assert_eq!([blur.edge(vergence), blur.corner(vergence, 1e-6)], [1.0, 1.0]);
         }
+        let moving = Blur { moving: 0.001, ..Blur::NONE };
+        let turning = Blur { turning: 0.001, ..Blur::NONE };
+        let sharp = [Blur::NONE, Blur { focal_length: 900.0, focus: 2.0, ..Blur::NONE }, LENS, moving, turning];
+        assert_eq!(sharp.map(|blur| blur.is_sharp()), [true, true, false, false, false]);
     }
 }

@@ -183,8 +183,13 @@ fn edges(window: f64, blur: &Blur, feature: &Feature, by_place: &Matrix2<f64>, v
         Feature::Point => return Whitening::NONE,
         Feature::Corner { edges, is_crossing } => {
             let in_picture = edges.map(|edge| by_place * edge);
-            let reach = window * sine(&in_picture).max(LEAST_SHARE);
-            of_corner(window, &in_picture, *is_crossing) * blur.corner(vergence, reach)
+            let T = of_corner(window, &in_picture, *is_crossing);
+            if blur.is_sharp() {
+                T
+            } else {
+                let reach = window * sine(&in_picture).max(LEAST_SHARE);
+                T * blur.corner(vergence, reach)
+            }
         }
         Feature::Circle { radius } => of_circle(*radius, by_place) * blur.edge(vergence),
     };
@@ -202,14 +207,14 @@ fn sine([a, b]: &[Vector2<f64>; 2]) -> f64 {
 fn of_corner(window: f64, edges: &[Vector2<f64>; 2], is_crossing: bool) -> Matrix2<f64> {
     let sides = if is_crossing { 2.0 } else { 1.0 };
     let of_edge = |along: &Vector2<f64>| {
-        let length = along.norm();
-        if length == 0.0 {
+        let longest = along.amax();
+        if longest == 0.0 {
             return Matrix2::zeros();
         }
-        let n = Vector2::new(-along.y, along.x) / length;
         // The window is a square.
-        let seen = sides * (window / n.amax()).min(length);
-        n * n.transpose() * seen
+        let share = (window / longest).min(1.0);
+        let across = Vector2::new(-along.y, along.x);
+        across * across.transpose() * (sides * share / along.norm())
     };
     edges.iter().map(of_edge).sum()
 }

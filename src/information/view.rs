@@ -8,7 +8,7 @@ use super::{Noise, Unknowns, Whitening};
 use crate::camera::IntrinsicsJacobian;
 use crate::selection::InformationSet;
 use crate::selection::packed::{inverse, packed_len};
-use crate::spatial::{Pose, skew};
+use crate::spatial::Pose;
 use crate::target::{Board, Corners, Feature, Warp};
 
 /// What is observed, how well, and what is to be learnt from it.
@@ -121,8 +121,11 @@ impl<'a> Measurement<'a> {
         let (camera, p_C) = (self.unknowns.camera, Point3::from(arm + t));
         let projection = camera.project_with_derivatives(&p_C)?;
         let mut by_pose = Matrix2x6::zeros();
-        by_pose.fixed_columns_mut::<3>(0).copy_from(&(-projection.by_point * skew(&arm)));
-        by_pose.fixed_columns_mut::<3>(3).copy_from(&projection.by_point);
+        for (row, by_point) in projection.by_point.row_iter().enumerate() {
+            // −aᵀ[arm]× = (arm × a)ᵀ.
+            by_pose.fixed_view_mut::<1, 3>(row, 0).copy_from(&arm.cross(&by_point.transpose()).transpose());
+            by_pose.fixed_view_mut::<1, 3>(row, 3).copy_from(&by_point);
+        }
         let vergence = camera.vergence(&p_C);
         let whitening = self.noise.model.whitening_in_view(&self.features[i], &projection.by_point, R, vergence);
         let mut by_heights = SMatrix::<f64, 2, { Warp::HEIGHTS }>::zeros();
@@ -160,7 +163,7 @@ mod tests {
     use crate::camera::{Camera, Lens};
     use crate::information::NoiseModel;
     use crate::selection::packed::unpack;
-    use crate::spatial::{Tangent, perturb};
+    use crate::spatial::{Tangent, perturb, skew};
     use crate::target::Surface;
 
     const NOISE: Noise = Noise { sigma: 0.3, model: NoiseModel::Constant };

@@ -34,6 +34,7 @@ pub(super) fn distort(p: &Vector3<f64>, k: &[f64], reach: f64) -> Option<Vector2
 }
 
 /// As [`distort`], with derivatives by `p` and by the first `COUNT` coefficients.
+#[inline]
 pub(super) fn distort_with_derivatives<const COUNT: usize>(
     p: &Vector3<f64>,
     k: &[f64],
@@ -110,12 +111,14 @@ impl Radial {
     }
 }
 
+#[inline]
 fn tangential(m: &Vector2<f64>, r2: f64, k: &[f64]) -> Vector2<f64> {
     let (x, y, p1, p2) = (m.x, m.y, k[2], k[3]);
     Vector2::new(2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x), p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y)
 }
 
 /// Derivative of the distorted by the undistorted point.
+#[inline]
 fn jacobian(m: &Vector2<f64>, radial: &Radial, k: &[f64]) -> Matrix2<f64> {
     let (x, y, p1, p2) = (m.x, m.y, k[2], k[3]);
     let cross = 2.0 * x * y * radial.slope + 2.0 * (p1 * x + p2 * y);
