@@ -9,11 +9,18 @@ use super::centres::Centres;
 use super::lloyd::rounds;
 use super::points::{ClusteringError, Points, squared_distance};
 
+/// Points from which on an even sample of them is clustered first, and how many stand for one in it.
+const MANY: usize = 1 << 17;
+const SAMPLED_OF: usize = 16;
+
 /// Clusters points from random starts (k-means++, then Lloyd's method), all from one seed: what was drawn for few clusters starts
-/// those of more.
+/// those of more. Where points are many, an even sample of them is clustered so, and its centres start Lloyd's method on all (Bradley &
+/// Fayyad, *Refining initial points for k-means clustering*, 1998).
 #[derive(Debug, Clone)]
 pub struct KMeans<'a> {
     points: &'a Points,
+    /// The sample; none where points are few.
+    sample: Option<Points>,
     rng: Xoshiro256Plus,
     /// Points drawn so far, and of each point the squared distance from the nearest of them.
     drawn: Vec<usize>,
@@ -23,7 +30,9 @@ pub struct KMeans<'a> {
 impl<'a> KMeans<'a> {
     /// Clusterings of `points` from `seed`.
     pub fn new(points: &'a Points, seed: u64) -> Self {
-        Self { points, rng: Xoshiro256Plus::seed_from_u64(seed), drawn: vec![], weights: vec![1.0; points.len()] }
+        let sample = (points.len() >= MANY).then(|| points.every(SAMPLED_OF));
+        let weights = vec![1.0; sample.as_ref().unwrap_or(points).len()];
+        Self { points, sample, rng: Xoshiro256Plus::seed_from_u64(seed), drawn: vec![], weights }
     }
 
     /// Of `count` clusters the member nearest to each centre, distinct and in ascending order.
@@ -35,8 +44,13 @@ impl<'a> KMeans<'a> {
         if count == 0 || count > points.len() {
             return Err(ClusteringError::Count { count, points: points.len() });
         }
-        let start = self.start(count).iter().map(|&i| points.point(i));
-        let centres = Centres::new(points.width(), start);
+        self.draw(count);
+        let drawn_from = self.drawn_from();
+        let start = self.drawn[..count].iter().map(|&i| drawn_from.point(i));
+        let mut centres = Centres::new(points.width(), start);
+        if let Some(sample) = &self.sample {
+            (centres, _) = rounds(sample, centres);
+        }
         let (centres, _) = rounds(points, centres);
         let nearest = Arch::new().dispatch(NearestPoints { points, centres: &centres });
         let mut taken = vec![false; points.len()];
@@ -52,19 +66,24 @@ impl<'a> KMeans<'a> {
         Ok((0..points.len()).filter(|&i| taken[i]).collect())
     }
 
-    /// Points to start from (Arthur & Vassilvitskii, *k-means++: the advantages of careful seeding*, 2007): each drawn with a
+    /// What is drawn from.
+    fn drawn_from(&self) -> &Points {
+        self.sample.as_ref().unwrap_or(self.points)
+    }
+
+    /// Draws as many points to start from (Arthur & Vassilvitskii, *k-means++: the advantages of careful seeding*, 2007): each drawn with a
     /// chance in proportion to its squared distance from the nearest of those before; the first ones again once no point is apart.
-    fn start(&mut self, count: usize) -> &[usize] {
+    fn draw(&mut self, count: usize) {
         while self.drawn.len() < count {
             let i = WeightedIndex::new(&self.weights).map_or(0, |chances| chances.sample(&mut self.rng));
             let is_first = self.drawn.is_empty();
             self.drawn.push(i);
-            for (weight, point) in self.weights.iter_mut().zip(self.points.iter()) {
-                let distance = squared_distance(point, self.points.point(i));
+            let points = self.sample.as_ref().unwrap_or(self.points);
+            for (weight, point) in self.weights.iter_mut().zip(points.iter()) {
+                let distance = squared_distance(point, points.point(i));
                 *weight = if is_first { distance } else { distance.min(*weight) };
             }
         }
-        &self.drawn[..count]
     }
 }
 
@@ -116,8 +135,9 @@ mod tests {
         ) {
             let points: Vec<Vec<f64>> = points.iter().map(|p| vec![f64::from(p[0]), f64::from(p[1])]).collect();
             let clustered = Points::new(&points).unwrap();
-            let start: Vec<Vec<f64>> =
-                KMeans::new(&clustered, 5).start(count).iter().map(|&i| points[i].clone()).collect();
+            let mut drawing = KMeans::new(&clustered, 5);
+            drawing.draw(count);
+            let start: Vec<Vec<f64>> = drawing.drawn.iter().map(|&i| points[i].clone()).collect();
             let mut expected: Vec<usize> = vec![];
             for centre in lloyd(&clustered, &start).centres {
                 let free = (0..points.len()).filter(|i| !expected.contains(i));
@@ -136,6 +156,31 @@ mod tests {
             let mut groups: Vec<usize> = members(&points, 6, seed).unwrap().into_iter().map(|i| i % 6).collect();
             groups.sort_unstable();
             assert_eq!(groups, [0, 1, 2, 3, 4, 5], "seed {seed}");
+        }
+    }
+
+    /// Of so many that a sample is clustered first.
+    #[test]
+    fn many_points_are_clustered_like_few() {
+        let points: Vec<[f64; 2]> =
+            (0..MANY as u32 + 1000).map(|i| [f64::from(i % 7) * 100.0 + f64::from(i % 1013) / 500.0, 0.0]).collect();
+        let points = Points::new(&points).unwrap();
+        let mut clusterings = KMeans::new(&points, 3);
+        assert!(clusterings.sample.as_ref().is_some_and(|sample| sample.len() == points.len().div_ceil(SAMPLED_OF)));
+        for count in [7, 12, 7] {
+            let found = clusterings.members(count).unwrap();
+            assert_eq!(found, KMeans::new(&points, 3).members(count).unwrap());
+            let mut groups: Vec<usize> = found.iter().map(|i| i % 7).collect();
+            groups.sort_unstable();
+            groups.dedup();
+            assert_eq!((found.len(), groups.len()), (count, 7));
+        }
+        // Each nearest to the mean of its own, of all and not of the sample alone.
+        for i in clusterings.members(7).unwrap() {
+            let group: Vec<f64> = (i % 7..points.len()).step_by(7).map(|j| points.point(j)[0]).collect();
+            let mean = group.iter().sum::<f64>() / group.len() as f64;
+            let nearest = group.iter().map(|x| (x - mean).abs()).fold(f64::INFINITY, f64::min);
+            assert!((points.point(i)[0] - mean).abs() <= nearest + 1e-9);
         }
     }
 

@@ -50,6 +50,11 @@ impl Points {
         Ok(Self { width, coordinates })
     }
 
+    /// Every `step`th of them, from the first on.
+    pub(super) fn every(&self, step: usize) -> Self {
+        Self { width: self.width, coordinates: self.iter().step_by(step).flatten().copied().collect() }
+    }
+
     /// Number of points.
     pub fn len(&self) -> usize {
         self.coordinates.len() / self.width.max(1)
