@@ -5,7 +5,8 @@ use std::iter::zip;
 use rayon::prelude::*;
 
 use super::error::SelectionError;
-use super::greedy::{EVALUATED_PER_TASK, highest, sample, start};
+use super::greedy::{EVALUATED_PER_TASK, sample, start};
+use super::highest::highest;
 use super::instance::{Instance, Part};
 
 /// Least gain in log Φ that counts as one.
@@ -53,7 +54,7 @@ pub(crate) fn improved_sample(instance: &Instance) -> Result<Vec<usize>, Selecti
     let Some(mut selected) = begun else { return improved_greedy(instance) };
     for _ in 0..LOOKS_AT_ALL {
         let scores = instance.scores(&instance.gradient(&selected)?.y);
-        let highest = highest(&scores, |i| instance.is_open(i), SAMPLED_WIDTH);
+        let highest = highest(&scores, (0..scores.len()).filter(|&i| instance.is_open(i)), SAMPLED_WIDTH);
         let part = Part::new(instance, highest.into_iter().chain(selected.iter().copied()));
         let improved = exchange(&part.instance(), part.places(&selected))?;
         selected = part.members(&improved);
@@ -159,7 +160,8 @@ fn best_swap(
     let rules = instance.rules();
     let leaving = || (0..selected.len()).filter(|&place| instance.is_open(selected[place]));
     let lowest = leaving().next().map(|place| scores[selected[place]])?;
-    let mut incoming = highest(scores, |j| open[j] && scores[j] > lowest, width.min(scores.len()));
+    let mut incoming =
+        highest(scores, (0..scores.len()).filter(|&j| open[j] && scores[j] > lowest), width.min(scores.len()));
     incoming.sort_unstable_by(|&a, &b| scores[b].total_cmp(&scores[a]).then(a.cmp(&b)));
     let mut best: Option<(usize, usize)> = None;
     let mut best_gain = LEAST_GAIN;

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::error::SelectionError;
+use super::highest::highest;
 use super::instance::{EFFORT, Instance, Part, packing};
 
 /// Information assumed before the first pick, as a share of k average views: keeps log Φ finite until the picks
@@ -155,7 +156,11 @@ impl<'a> Scoreboard<'a> {
                 .zip(candidates.iter().copied());
             values.fold((f64::NEG_INFINITY, usize::MAX), better)
         };
-        let probes = highest(&self.bounds, |i| self.bounds[i] > f64::NEG_INFINITY && allowed(i), PROBES);
+        let probes = highest(
+            &self.bounds,
+            (0..self.bounds.len()).filter(|&i| self.bounds[i] > f64::NEG_INFINITY && allowed(i)),
+            PROBES,
+        );
         let probed = best_of(&probes);
         let least_score = (probed.0 - before - 1e-12).exp_m1();
         // Bounds that reach the best gain are replaced by scores; all of them at once where they are many.
@@ -185,49 +190,5 @@ impl<'a> Scoreboard<'a> {
     fn reaching(&self, least_score: f64) -> Vec<usize> {
         let least = least_score / self.factor * (1.0 - 1e-12);
         (0..self.bounds.len()).filter(|&i| self.bounds[i] > f64::NEG_INFINITY && self.bounds[i] >= least).collect()
-    }
-}
-
-/// The eligible candidates with the `most` highest scores, in no particular order.
-pub(super) fn highest(scores: &[f64], eligible: impl Fn(usize) -> bool, most: usize) -> Vec<usize> {
-    let by_score = |&a: &usize, &b: &usize| scores[b].total_cmp(&scores[a]).then(a.cmp(&b));
-    // A buffer of the best so far, cut back whenever it has doubled: few candidates get past its least score.
-    let mut best: Vec<usize> = Vec::with_capacity(2 * most);
-    let mut least = f64::NEG_INFINITY;
-    for i in 0..scores.len() {
-        if scores[i] >= least && eligible(i) {
-            best.push(i);
-            if best.len() == 2 * most {
-                best.select_nth_unstable_by(most - 1, by_score);
-                best.truncate(most);
-                least = scores[best[most - 1]];
-            }
-        }
-    }
-    if best.len() > most {
-        best.select_nth_unstable_by(most - 1, by_score);
-        best.truncate(most);
-    }
-    best
-}
-
-#[cfg(test)]
-mod tests {
-    use proptest::prelude::*;
-
-    use crate::selection::greedy::highest;
-
-    proptest! {
-        #[test]
-        fn the_highest_are_the_first_of_a_sort(scores in prop::collection::vec(-3i32..3, 0..60), most in 1usize..9) {
-            let scores: Vec<f64> = scores.into_iter().map(f64::from).collect();
-            let mut sorted: Vec<usize> = (0..scores.len()).filter(|i| i % 3 != 1).collect();
-            sorted.sort_by(|&a, &b| scores[b].total_cmp(&scores[a]).then(a.cmp(&b)));
-            sorted.truncate(most);
-            sorted.sort_unstable();
-            let mut found = highest(&scores, |i| i % 3 != 1, most);
-            found.sort_unstable();
-            prop_assert_eq!(found, sorted);
-        }
     }
 }

@@ -26,7 +26,7 @@ use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, S
 use super::certificate::Certificate;
 use super::error::SelectionError;
 use super::function::Gradient;
-use super::greedy::highest;
+use super::highest::highest;
 use super::instance::{Instance, InstanceCurvature};
 use super::packed::dot;
 
@@ -259,7 +259,7 @@ impl<'a> Master<'a> {
             outside[i] = false;
         }
         let weights = self.weights.iter().copied().chain(std::iter::repeat(0.0));
-        let joining = highest(&reduced, |i| outside[i], most);
+        let joining = highest(&reduced, (0..scores.len()).filter(|&i| outside[i]), most);
         let mut weighted: Vec<(usize, f64)> = self.columns.iter().copied().chain(joining).zip(weights).collect();
         weighted.sort_unstable_by_key(|&(i, _)| i);
         (self.columns, self.weights) = weighted.into_iter().unzip();

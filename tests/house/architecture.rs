@@ -38,6 +38,7 @@ const ROOMS: [(&str, &[&str]); 53] = [
         &[
             "matrices",
             "error",
+            "highest",
             "function",
             "instance",
             "certificate",

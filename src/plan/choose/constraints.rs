@@ -1,6 +1,7 @@
 //! The problem's constraints in terms of the survey's views.
 
 use nalgebra::{DMatrix, Point3, Vector3};
+use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::feasibility::{View, told_in_image};
@@ -86,11 +87,12 @@ pub(crate) fn constraints(problem: &Problem, survey: &Survey) -> Result<Constrai
 }
 
 /// Of the views' points.
-fn separation<P: AsRef<[f64]>>(views: &[View], point: impl Fn(&View) -> P, least: f64) -> Separation {
+fn separation<P: AsRef<[f64]>>(views: &[View], point: impl Fn(&View) -> P + Sync, least: f64) -> Separation {
     let dimension = views.first().map_or(0, |view| point(view).as_ref().len());
-    let mut points = Vec::with_capacity(dimension * views.len());
-    for view in views {
-        points.extend_from_slice(point(view).as_ref());
+    let mut points = vec![0.0; dimension * views.len()];
+    if dimension > 0 {
+        let rows = points.par_chunks_exact_mut(dimension).zip(views).with_min_len(256);
+        rows.for_each(|(row, view)| row.copy_from_slice(point(view).as_ref()));
     }
     Separation { points: points.into(), dimension, least }
 }

@@ -224,10 +224,8 @@ impl Survey {
 
     /// The places of the views at these joint values, ascending; empty where one is no view, or two are the same.
     pub(crate) fn places_of(&self, joints: &[Vec<f64>]) -> Vec<usize> {
-        let place = |q: &Vec<f64>| self.views.iter().position(|view| view.q == *q);
-        let mut places: Vec<usize> = joints.iter().filter_map(place).collect();
-        places.sort_unstable();
-        places.dedup();
+        let views = self.views.par_iter().enumerate().filter(|(_, view)| joints.contains(&view.q));
+        let places: Vec<usize> = views.map(|(place, _)| place).collect();
         if places.len() == joints.len() { places } else { vec![] }
     }
 

@@ -85,9 +85,12 @@ impl Survey {
     pub(crate) fn add_off_grid(&mut self, problem: &Problem, configurations: &[Vec<f64>]) -> Result<(), SurveyError> {
         let checks = problem.checks();
         let mut views: Vec<View> = Vec::new();
+        let known = self.views.par_iter().filter(|view| configurations.contains(&view.q));
+        let known: Vec<&[f64]> = known.map(|view| view.q.as_slice()).collect();
         for q in configurations {
-            let known = self.views.iter().chain(&views).any(|view| view.q == *q);
-            if !known && let Some(view) = off_grid_view(problem, &checks, 0, q) {
+            let is_known =
+                known.iter().copied().chain(views.iter().map(|view| view.q.as_slice())).any(|known| known == q);
+            if !is_known && let Some(view) = off_grid_view(problem, &checks, 0, q) {
                 views.push(view);
             }
         }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::selection::error::SelectionError;
+use crate::selection::highest::highest;
 
 /// What a selection must satisfy besides its size. The default allows everything.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -78,14 +79,21 @@ impl Separation {
         let hash = |i: usize| places(i).fold(0, |hash: u64, x| (hash.rotate_left(5) ^ x as u64).wrapping_mul(HASH));
         let mut hashed: Vec<(u64, usize)> = (0..candidates).into_par_iter().map(|i| (hash(i), i)).collect();
         hashed.par_sort_unstable();
-        let shared = hashed.chunk_by(|a, b| a.0 == b.0).filter(|alike| alike.len() > 1).flatten();
-        let mut keyed: Vec<(Vec<i64>, usize)> = shared.map(|&(_, i)| (places(i).collect(), i)).collect();
-        keyed.sort_unstable();
-        keyed
-            .chunk_by(|a, b| a.0 == b.0)
-            .filter(|cell| cell.len() > 1)
-            .map(|cell| Cap { members: cell.iter().map(|&(_, i)| i).collect(), most: 1 })
-            .collect()
+        let alike: Vec<&[(u64, usize)]> = hashed.chunk_by(|a, b| a.0 == b.0).filter(|alike| alike.len() > 1).collect();
+        let of_alike = |alike: &[(u64, usize)]| -> Vec<(Vec<i64>, Vec<usize>)> {
+            let mut cells: Vec<(Vec<i64>, Vec<usize>)> = vec![];
+            for &(_, i) in alike {
+                match cells.iter_mut().find(|(cell, _)| places(i).eq(cell.iter().copied())) {
+                    Some((_, members)) => members.push(i),
+                    None => cells.push((places(i).collect(), vec![i])),
+                }
+            }
+            cells
+        };
+        let mut cells: Vec<_> = alike.into_par_iter().flat_map_iter(of_alike).collect();
+        cells.retain(|(_, members)| members.len() > 1);
+        cells.par_sort_unstable();
+        cells.into_iter().map(|(_, members)| Cap { members, most: 1 }).collect()
     }
 
     /// The separation of some candidates alone.
@@ -222,13 +230,15 @@ impl Rules {
 
     /// The same rules for `members`, ascending, the required ones among them, numbered by their places.
     pub(crate) fn of_part(&self, members: &[usize]) -> Self {
-        let place = |i: &usize| members.binary_search(i).ok();
-        let places = |candidates: &[usize]| candidates.iter().filter_map(place).collect();
         let open = &self.open;
-        let caps: Vec<Cap> =
-            self.caps.iter().map(|cap| Cap { members: places(&cap.members), most: cap.most }).collect();
+        let mut caps: Vec<Cap> = self.caps.iter().map(|cap| Cap { members: vec![], most: cap.most }).collect();
+        for (place, &member) in members.iter().enumerate() {
+            for c in self.caps_of(member) {
+                caps[c].members.push(place);
+            }
+        }
         Self {
-            required: places(&self.required),
+            required: self.required.iter().filter_map(|i| members.binary_search(i).ok()).collect(),
             open: if open.is_empty() { vec![] } else { members.iter().map(|&i| open[i]).collect() },
             caps_of: Lists::of_caps(&caps, members.len()),
             caps,
@@ -295,11 +305,7 @@ impl Rules {
     /// chosen freely (∞ if there are none).
     pub(crate) fn greatest(&self, scores: &[f64], count: usize) -> (Vec<usize>, f64) {
         let free = count - self.required.len();
-        let mut open: Vec<usize> = (0..scores.len()).filter(|&i| self.is_open(i)).collect();
-        if free < open.len() {
-            open.select_nth_unstable_by(free, |&a, &b| scores[b].total_cmp(&scores[a]).then(a.cmp(&b)));
-            open.truncate(free);
-        }
+        let mut open = highest(scores, (0..scores.len()).filter(|&i| self.is_open(i)), free);
         let least = open.iter().map(|&i| scores[i]).fold(f64::INFINITY, f64::min);
         open.extend(&self.required);
         open.sort_unstable();

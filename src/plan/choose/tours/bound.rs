@@ -3,7 +3,9 @@
 use rayon::prelude::*;
 
 use super::times::Times;
-use crate::selection::{Certificate, Gradient, Instance, Part, RelaxationSettings, nonsingular_start, relax_until};
+use crate::selection::{
+    Certificate, Gradient, Instance, Part, RelaxationSettings, highest, nonsingular_start, relax_until,
+};
 
 /// Most views of which all pairs are looked at.
 const MOST_PAIRED: usize = 6000;
@@ -11,8 +13,9 @@ const MOST_PAIRED: usize = 6000;
 /// Gap at which a relaxation tells whether a part of the views suffices.
 const TOLERANCE: f64 = 1e-3;
 
-/// Views that are looked at first where there are more.
+/// Views that are looked at first where there are more, and most times that the best of the others join.
 pub(super) const FIRST: usize = 3000;
+const LOOKS: usize = 6;
 
 /// A bound that could be higher by so small a share is not sharpened.
 const PRECISION: f64 = 0.01;
@@ -91,17 +94,23 @@ impl Good<'_> {
         if scores.log_bound(self.instance, members) < floor {
             return true;
         }
-        // Where the best of many suffice, the others need not be looked at.
-        let mut some = members.to_vec();
-        if members.len() > self.first {
-            some.select_nth_unstable_by(self.first, |&a, &b| scores.reduced[b].total_cmp(&scores.reduced[a]));
-            some.truncate(self.first);
+        // Where the best of many suffice, the others need not be looked at; where these do not, their bound tells of all others.
+        let highest = |scores: &Scores| highest(&scores.reduced, members.iter().copied(), self.first);
+        let mut some = highest(scores);
+        let mut start = None;
+        for _ in 0..LOOKS {
+            let Some(found) = self.relaxed(&some, start, floor) else { return false };
+            if found.log_value >= floor || found.log_bound >= floor {
+                return false;
+            }
+            if some.len() == members.len() || found.scores.log_bound(self.instance, members) < floor {
+                return true;
+            }
+            some = highest(&found.scores);
+            some.extend(&found.weighted);
+            start = Some(found.weighted);
         }
-        let Some(found) = self.relaxed(&some, None, floor) else { return false };
-        if found.log_value >= floor || members.len() <= self.first {
-            return found.log_bound < floor;
-        }
-        self.relaxed(members, Some(found.weighted), floor).is_some_and(|found| found.log_bound < floor)
+        false
     }
 
     /// The relaxation on members, from equal weights on a start or on greedy's picks, until it is known on which side of the floor its
@@ -120,6 +129,7 @@ impl Good<'_> {
             log_value: found.log_value,
             log_bound: found.certificate.log_bound,
             weighted: part.members(&weighted),
+            scores: Scores::of_part(&instance, &found.certificate, self.instance),
         })
     }
 }
@@ -130,12 +140,14 @@ struct Relaxed {
     log_bound: f64,
     /// The views of positive weight.
     weighted: Vec<usize>,
+    scores: Scores,
 }
 
 /// Values of a joint: every such set has a pose at the lower one or below, and one at the upper one or above.
 struct Span {
     joint: usize,
-    /// All values of the open views, ascending, each once.
+    /// Its values in the open views, in their order; and all of them ascending, each once.
+    of_open: Vec<f64>,
     values: Vec<f64>,
     /// Places of the least lower value and the greatest upper one that can be proven: from the first to the second, the second of
     /// `lower` and the first of `upper` being proven.
@@ -145,11 +157,12 @@ struct Span {
 
 impl Span {
     fn new(good: &Good, open: &[usize], joint: usize) -> Self {
-        let mut values: Vec<f64> = open.iter().map(|&i| good.joints[i][joint]).collect();
-        values.sort_unstable_by(f64::total_cmp);
+        let of_open: Vec<f64> = open.par_iter().map(|&i| good.joints[i][joint]).collect();
+        let mut values = of_open.clone();
+        values.par_sort_unstable_by(f64::total_cmp);
         values.dedup();
         let last = values.len() - 1;
-        Self { joint, values, lower: [0, last], upper: [0, last] }
+        Self { joint, of_open, values, lower: [0, last], upper: [0, last] }
     }
 
     fn is_known(&self) -> bool {
@@ -169,20 +182,21 @@ impl Span {
     /// Halves the one of its ends of which less is known.
     fn narrow(&mut self, good: &Good, open: &[usize], scores: &Scores) {
         let unknown = |[from, to]: [usize; 2]| self.values[to] - self.values[from];
-        let value = |i: usize| good.joints[i][self.joint];
+        let those = |hold: &dyn Fn(f64) -> bool| -> Vec<usize> {
+            let views = open.iter().zip(&self.of_open);
+            views.filter(|&(_, &value)| hold(value)).map(|(&i, _)| i).collect()
+        };
         let middle = |[from, to]: [usize; 2]| usize::midpoint(from, to);
         if unknown(self.lower) >= unknown(self.upper) && self.lower[0] < self.lower[1] {
             let place = middle(self.lower);
-            let above: Vec<usize> = open.iter().copied().filter(|&i| value(i) > self.values[place]).collect();
-            if good.falls_short(&above, scores) {
+            if good.falls_short(&those(&|value| value > self.values[place]), scores) {
                 self.lower[1] = place;
             } else {
                 self.lower[0] = place + 1;
             }
         } else {
             let place = middle(self.upper);
-            let until: Vec<usize> = open.iter().copied().filter(|&i| value(i) <= self.values[place]).collect();
-            if good.falls_short(&until, scores) {
+            if good.falls_short(&those(&|value| value <= self.values[place]), scores) {
                 self.upper[0] = place + 1;
             } else {
                 self.upper[1] = place;
@@ -195,42 +209,47 @@ impl Span {
 pub(super) struct Scores {
     /// Of each view, less the prices of its caps.
     reduced: Vec<f64>,
-    /// The sum of the greatest of all views, and all that the bound is made of.
-    greatest: f64,
-    total: f64,
-    log_bound: f64,
+    /// What the bound is made of beside the greatest scores.
+    others: f64,
+    log_polar: f64,
 }
 
 impl Scores {
+    /// By a certificate of all views.
     pub(super) fn new(instance: &Instance, certificate: &Certificate) -> Self {
-        let mut reduced = instance.scores(&certificate.y);
-        instance.rules().reduce(&mut reduced, &certificate.prices);
+        let reduced = reduced(instance, certificate);
         let gradient = Gradient { y: certificate.y.clone(), mixture: certificate.mixture.clone() };
-        let total = (certificate.log_bound + instance.log_polar(&gradient)).exp();
+        let log_polar = instance.log_polar(&gradient);
         let all: Vec<usize> = (0..instance.len()).collect();
-        let greatest = greatest(instance, &reduced, &all);
-        Self { reduced, greatest, total, log_bound: certificate.log_bound }
+        let others = (certificate.log_bound + log_polar).exp() - greatest(instance, &reduced, &all);
+        Self { reduced, others, log_polar }
+    }
+
+    /// By a certificate of some of the views, of which `part` is.
+    fn of_part(part: &Instance, certificate: &Certificate, instance: &Instance) -> Self {
+        Self { reduced: reduced(instance, certificate), ..Self::new(part, certificate) }
     }
 
     /// What log Φ of no set among `members`, which hold the required ones, surpasses.
     fn log_bound(&self, instance: &Instance, members: &[usize]) -> f64 {
-        // Not a number where the certificate bounds nothing.
-        if self.total.is_nan() {
-            return f64::INFINITY;
-        }
-        let less = self.greatest - greatest(instance, &self.reduced, members);
-        self.log_bound + (1.0 - less / self.total).max(0.0).ln()
+        let log_bound = (self.others + greatest(instance, &self.reduced, members)).max(0.0).ln() - self.log_polar;
+        // Where the certificate bounds nothing.
+        if self.others.is_finite() && !log_bound.is_nan() { log_bound } else { f64::INFINITY }
     }
+}
+
+/// Scores of all views by a certificate, less the prices of their caps.
+fn reduced(instance: &Instance, certificate: &Certificate) -> Vec<f64> {
+    let mut reduced = instance.scores(&certificate.y);
+    instance.rules().reduce(&mut reduced, &certificate.prices);
+    reduced
 }
 
 /// The sum of the greatest scores of as many members as are chosen freely.
 fn greatest(instance: &Instance, scores: &[f64], members: &[usize]) -> f64 {
     let free = instance.count() - instance.required().len();
-    let mut open: Vec<f64> = members.iter().filter(|&&i| instance.is_open(i)).map(|&i| scores[i]).collect();
-    if free < open.len() {
-        open.select_nth_unstable_by(free, |a, b| b.total_cmp(a));
-        open.truncate(free);
-    }
-    open.sort_unstable_by(f64::total_cmp);
-    open.iter().sum()
+    let open = members.iter().copied().filter(|&i| instance.is_open(i));
+    let mut greatest: Vec<f64> = highest(scores, open, free).into_iter().map(|i| scores[i]).collect();
+    greatest.sort_unstable_by(f64::total_cmp);
+    greatest.iter().sum()
 }
