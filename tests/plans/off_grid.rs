@@ -99,8 +99,11 @@ fn a_plan_holds_what_certifying_it_needs() {
     refused(0, &|all| all[0] = problem.robot.chain.mid_range());
     let last = plan.off_grid.len();
     refused(last, &|all| all.push(all[0].clone()));
+    // A pose's with another one.
     let mut moved = plan.clone();
-    moved.off_grid.swap(0, 1);
+    let is_posed = |q: &Vec<f64>| plan.poses.iter().any(|pose| pose.joints_rad == *q);
+    let posed = plan.off_grid.iter().position(is_posed).unwrap();
+    moved.off_grid.swap(posed, (posed + 1) % last);
     let mut other = swept.clone();
     other.take_off_grid(&problem, &moved.off_grid).unwrap();
     certify(&moved, &problem, &other).unwrap_err();

@@ -6,6 +6,8 @@ use std::collections::HashMap;
 use argmin::core::{CostFunction, Executor};
 use argmin::solver::neldermead::NelderMead;
 use nalgebra::DVector;
+use rand::Rng;
+use rand_distr::StandardNormal;
 
 use crate::feasibility::View;
 use crate::plan::choose::constraints::allows;
@@ -72,7 +74,7 @@ impl<'a> LocalSearch<'a> {
 
     fn look_at(&self, id: usize, q: &[f64], others: &[&View]) -> Option<Candidate> {
         let view = self.scenes[0].look(id, q)?;
-        if !allows(self.problem, others, &view) || !self.is_certain(&view) {
+        if !self.allows(others, &view) || !self.is_certain(&view) {
             return None;
         }
         self.candidate(&view)
@@ -83,6 +85,19 @@ impl<'a> LocalSearch<'a> {
         let Some(robust) = &self.problem.robust else { return true };
         let seen = self.scenes.iter().filter(|scene| scene.view(view).is_some()).count();
         seen as f64 >= (robust.seen_share * self.scenes.len() as f64).round()
+    }
+
+    /// A view at joint values drawn around those of `view`, whose standard deviations are that share of the simplex's first steps; `None`
+    /// where none is.
+    pub(super) fn around(&self, view: &View, share: f64, rng: &mut impl Rng) -> Option<Candidate> {
+        let mut drawn = |(q, step): (&f64, f64)| q + share * step * rng.sample::<f64, _>(StandardNormal);
+        let q: Vec<f64> = view.q.iter().zip(self.steps()).map(&mut drawn).collect();
+        self.look(view.id, &q, &[])
+    }
+
+    /// Whether the view is none of the `others` and the constraints allow it beside them.
+    pub(super) fn allows(&self, others: &[&View], view: &View) -> bool {
+        others.iter().all(|other| other.q != view.q) && allows(self.problem, others, view)
     }
 
     /// First steps of the simplex along the joints.
