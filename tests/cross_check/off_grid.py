@@ -82,7 +82,9 @@ class Setting:
             return None
         normal = R[:, 2]
         towards = -t / np.linalg.norm(t)
-        if normal @ towards < np.cos(np.radians(self.incidence)) or -normal[2] < np.cos(np.radians(self.tilt)):
+        # Best poses are at the very limit.
+        least = [np.cos(np.radians(limit)) - 1e-12 for limit in (self.incidence, self.tilt)]
+        if normal @ towards < least[0] or -normal[2] < least[1]:
             return None
         points = self.board @ R.T + t
         if points[:, 2].min() <= 0:
