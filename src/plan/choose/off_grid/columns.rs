@@ -16,7 +16,7 @@ use crate::selection::packed::dot;
 use crate::selection::{RelaxationSettings, relax};
 use crate::sweep::HaltonSample;
 
-/// Most rounds; some ten are common.
+/// Most rounds; ten to forty are common.
 const ROUNDS: usize = 40;
 
 /// Swept views that each round climbs from, beside those in hand.
