@@ -4,7 +4,7 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use calipose::plan::assess::{CertifyError, certify};
+use calipose::plan::assess::{CertifyError, ExplainSettings, certify, explain};
 use calipose::plan::choose::{Chooser, decide, plan_survey, refined_survey};
 use calipose::plan::document::{ContinuumDocument, Document, Plan};
 use calipose::plan::survey::{NoView, Survey};
@@ -153,6 +153,29 @@ fn no_joint_values_are_two_views() {
         assert!(survey.views[..i].iter().all(|other| other.q != view.q), "{}", view.id);
     }
     assert!(plan(&problem, &survey).poses.iter().any(|pose| pose.id == problem.constraints.required[0]));
+}
+
+/// Near repetitions of a pose do not stand in for it.
+#[test]
+fn spares_are_not_beside_the_poses_they_replace() {
+    let problem = problem("servosila-engineer", &["sweep.step_deg=12"]);
+    let survey = plan_survey(&problem, &|_| {}).unwrap();
+    let chooser = Chooser::new(&problem, &survey).unwrap();
+    let (choice, _) = chooser.best(10, 1).unwrap();
+    let settings = ExplainSettings { most: 10, spares: 4 };
+    let explained = explain(&problem, &chooser, &choice.selected, &settings, &|_| {}).unwrap();
+    let picture = |id: usize| {
+        let view = &survey.views[survey.index_of(id).unwrap()];
+        view.picture(&problem.camera, &problem.target.board)
+    };
+    for pose in &explained.poses {
+        assert_eq!(pose.spares.len(), 4);
+        for spare in &pose.spares {
+            let (a, b) = (picture(pose.id), picture(spare.id));
+            let distance = a.iter().zip(&b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+            assert!(distance >= problem.picture_separation(), "{} {}", pose.id, spare.id);
+        }
+    }
 }
 
 /// The baselines stay on the grid, whatever the file says.

@@ -25,6 +25,9 @@ pub struct ExplainSettings {
 /// Gap at which a point of the curve counts as solved: finer than any table shows.
 const CURVE_TOLERANCE: f64 = 1e-6;
 
+/// Spares that are looked for beyond those listed, in place of those too near the pose itself.
+const NEAR: usize = 200;
+
 /// Explains the poses `selected` (indices into the survey's views) by the criteria of `chooser`. `observe` is told, from any
 /// thread, how many points of the curve were added since it was last called.
 ///
@@ -153,7 +156,13 @@ fn poses(
             spares: found.into_iter().map(|found| spare(found.candidate)).collect(),
         }
     };
-    let found = spares(&instance, &plan.selected, spare_count).map_err(PlanError::Selection)?;
+    let most = if spare_count == 0 { 0 } else { spare_count + NEAR };
+    let mut found = spares(&instance, &plan.selected, most).map_err(PlanError::Selection)?;
+    for (&leaving, found) in plan.selected.iter().zip(&mut found) {
+        // What keeps the arm from a pose may keep it from what is beside it.
+        found.retain(|spare| !instance.rules().conflict(leaving, spare.candidate));
+        found.truncate(spare_count);
+    }
     Ok(plan.selected.par_iter().zip(found).map(explain_pose).collect())
 }
 
@@ -293,7 +302,7 @@ mod tests {
         }
     }
 
-    /// Every view tried in every pose's place, whatever is optimised.
+    /// Every view tried in every pose's place that is apart from it and the others, whatever is optimised.
     #[test]
     fn spares_are_those_of_an_exhaustive_search() {
         let mut problem = coarse();
@@ -321,7 +330,7 @@ mod tests {
                 let others: Vec<usize> = plan.selected.iter().copied().filter(|&other| other != i).collect();
                 let mut tried: Vec<(f64, usize)> = (0..survey.views.len())
                     .filter(|j| !plan.selected.contains(j))
-                    .filter(|&j| others.iter().all(|&other| (direction(j) - direction(other)).norm() >= least))
+                    .filter(|&j| plan.selected.iter().all(|&i| (direction(j) - direction(i)).norm() >= least))
                     .map(|j| {
                         let value = chooser.assess(others.iter().copied().chain([j]).collect()).log_value;
                         (1.0 - (value - plan.log_value).exp(), survey.views[j].id)
