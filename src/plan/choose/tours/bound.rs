@@ -108,6 +108,9 @@ impl Good<'_> {
             }
             some = highest(&found.scores);
             some.extend(&found.weighted);
+            // Each once: they are all members only if they are as many.
+            some.sort_unstable();
+            some.dedup();
             start = Some(found.weighted);
         }
         false

@@ -174,7 +174,7 @@ fn views_that_fall_short_hold_no_good_set() {
             }
             // A little below what they reach, and much above it.
             for floor in [greatest - 1e-6, greatest + 3.0] {
-                for few in [joints.len(), COUNT + 1] {
+                for few in COUNT..=joints.len() {
                     let good =
                         Good { instance: &instance, certificate, floor, joints: &joints, times: &times, first: few };
                     let found = good.falls_short(&members, &scores);
