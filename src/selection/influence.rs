@@ -32,24 +32,37 @@ pub fn without_each(instance: &Instance, selected: &[usize]) -> Result<Vec<f64>,
 }
 
 /// For each member of a selection, in their order, the `most` candidates that leave the greatest log Φ when they take its
-/// place, the best first, equal ones by index; only those that the constraints allow beside the other members. A required
-/// member has no spares.
+/// place, the best first, equal ones by index; only those that the constraints allow beside the other members and that `serves`
+/// accepts, which is asked with the member and the candidate. A required member has no spares.
 ///
 /// # Errors
 /// When `selected` are not candidates, each once.
-pub fn spares(instance: &Instance, selected: &[usize], most: usize) -> Result<Vec<Vec<Spare>>, SelectionError> {
+pub fn spares(
+    instance: &Instance,
+    selected: &[usize],
+    most: usize,
+    serves: &(dyn Fn(usize, usize) -> bool + Sync),
+) -> Result<Vec<Vec<Spare>>, SelectionError> {
     instance.check(selected)?;
     if most == 0 {
         return Ok(vec![vec![]; selected.len()]);
     }
     let best = |(&leaving, bounds): (&usize, Vec<f64>)| {
-        if instance.is_open(leaving) { spares_for(instance, selected, leaving, &bounds, most) } else { vec![] }
+        let serves = |candidate: usize| serves(leaving, candidate);
+        if instance.is_open(leaving) { spares_for(instance, selected, leaving, &bounds, most, &serves) } else { vec![] }
     };
     Ok(selected.par_iter().zip(replacement_bounds(instance, selected)).map(best).collect())
 }
 
 /// The spares of the member `leaving`, from `bounds` of what log Φ can be with each candidate in its place.
-fn spares_for(instance: &Instance, selected: &[usize], leaving: usize, bounds: &[f64], most: usize) -> Vec<Spare> {
+fn spares_for(
+    instance: &Instance,
+    selected: &[usize],
+    leaving: usize,
+    bounds: &[f64],
+    most: usize,
+    serves: &dyn Fn(usize) -> bool,
+) -> Vec<Spare> {
     let rules = instance.rules();
     let rest = instance.total(&others(selected, leaving));
     let mut candidates: Vec<usize> =
@@ -61,7 +74,7 @@ fn spares_for(instance: &Instance, selected: &[usize], leaving: usize, bounds: &
         if best.len() == most && best.last().is_some_and(|last| bounds[candidate] + ROUNDING < last.log_value) {
             break;
         }
-        if !rules.is_free() && !rules.allows(selected, Some(leaving), candidate) {
+        if !serves(candidate) || !rules.is_free() && !rules.allows(selected, Some(leaving), candidate) {
             continue;
         }
         work.clone_from(&rest);
@@ -165,7 +178,7 @@ mod tests {
             let term = Term { candidates: &candidates, prior: None, function, share: 1.0 };
             let instance = Instance::constrained(&[term], count, constraints).unwrap();
             let selected = crate::selection::greedy(&instance).unwrap();
-            let found = spares(&instance, &selected, 5).unwrap();
+            let found = spares(&instance, &selected, 5, &|_, _| true).unwrap();
             for (place, &leaving) in selected.iter().enumerate() {
                 let mut expected: Vec<Spare> = (0..n)
                     .filter(|&j| instance.is_open(leaving) && instance.is_open(j) && !selected.contains(&j))

@@ -875,7 +875,7 @@ fn what_is_no_selection_and_no_certificate_is_refused() {
     let beyond = SelectionError::OutOfRange { candidate: 3, candidates: 3 };
     assert_eq!(exchange(&instance, vec![0, 3]).unwrap_err(), beyond);
     assert_eq!(relax(&instance, &[3, 1], &settings).unwrap_err(), beyond);
-    assert_eq!(spares(&instance, &[0, 3], 1).unwrap_err(), beyond);
+    assert_eq!(spares(&instance, &[0, 3], 1, &|_, _| true).unwrap_err(), beyond);
     assert_eq!(instance.log_value(&[3]).unwrap_err(), beyond);
     assert_eq!(instance.gradient(&[0, 0]).unwrap_err(), SelectionError::Twice { candidate: 0 });
     let start = best(&instance, &settings, 0).unwrap();

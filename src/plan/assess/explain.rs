@@ -25,9 +25,6 @@ pub struct ExplainSettings {
 /// Gap at which a point of the curve counts as solved: finer than any table shows.
 const CURVE_TOLERANCE: f64 = 1e-6;
 
-/// Spares that are looked for beyond those listed, in place of those too near the pose itself.
-const NEAR: usize = 200;
-
 /// Explains the poses `selected` (indices into the survey's views) by the criteria of `chooser`. `observe` is told, from any
 /// thread, how many points of the curve were added since it was last called.
 ///
@@ -156,13 +153,9 @@ fn poses(
             spares: found.into_iter().map(|found| spare(found.candidate)).collect(),
         }
     };
-    let most = if spare_count == 0 { 0 } else { spare_count + NEAR };
-    let mut found = spares(&instance, &plan.selected, most).map_err(PlanError::Selection)?;
-    for (&leaving, found) in plan.selected.iter().zip(&mut found) {
-        // What keeps the arm from a pose may keep it from what is beside it.
-        found.retain(|spare| !instance.rules().conflict(leaving, spare.candidate));
-        found.truncate(spare_count);
-    }
+    // What keeps the arm from a pose may keep it from what is beside it.
+    let apart = |leaving: usize, candidate: usize| !instance.rules().conflict(leaving, candidate);
+    let found = spares(&instance, &plan.selected, spare_count, &apart).map_err(PlanError::Selection)?;
     Ok(plan.selected.par_iter().zip(found).map(explain_pose).collect())
 }
 

@@ -27,7 +27,7 @@ pub(super) struct Swap {
 pub(super) fn single(chooser: &Chooser, selected: &[usize]) -> Result<Vec<Swap>, PlanError> {
     let before = chooser.assess(selected.to_vec()).log_value;
     let instance = chooser.instance(selected.len())?;
-    let found = spares(&instance, selected, 1).map_err(PlanError::Selection)?;
+    let found = spares(&instance, selected, 1, &|_, _| true).map_err(PlanError::Selection)?;
     let mut best: Vec<(usize, Spare)> =
         found.into_iter().enumerate().filter_map(|(leaving, spares)| Some((leaving, *spares.first()?))).collect();
     // Where nothing is determined, what determines everything gains.
