@@ -105,13 +105,7 @@ impl Lens {
     /// As [`Lens::distort`], with derivatives by `p` and by the coefficients.
     #[inline]
     pub(super) fn distort_with_derivatives(self, p: &Vector3<f64>, k: &[f64], reach: f64) -> Option<Distorted> {
-        // Of the models themselves and not of `dyn Model`: so much is asked that the calls would tell.
-        match self {
-            Lens::Pinhole => pinhole::Pinhole.distort_with_derivatives(p, k, reach),
-            Lens::BrownConrady => brown_conrady::BrownConrady.distort_with_derivatives(p, k, reach),
-            Lens::Rational => rational::Rational.distort_with_derivatives(p, k, reach),
-            Lens::KannalaBrandt => kannala_brandt::KannalaBrandt.distort_with_derivatives(p, k, reach),
-        }
+        self.model().distort_with_derivatives(p, k, reach)
     }
 
     /// The direction whose normalised image point is `m`.

@@ -1,5 +1,7 @@
 //! The k-means baseline: one member of each of k clusters.
 
+use std::borrow::Cow;
+
 use pulp::{Arch, Simd, WithSimd};
 use rand::SeedableRng;
 use rand::distributions::{Distribution, WeightedIndex};
@@ -19,8 +21,8 @@ const SAMPLED_OF: usize = 16;
 #[derive(Debug, Clone)]
 pub struct KMeans<'a> {
     points: &'a Points,
-    /// The sample; none where points are few.
-    sample: Option<Points>,
+    /// What is drawn from and clustered first: the sample, or where points are few all of them.
+    drawn_from: Cow<'a, Points>,
     rng: Xoshiro256Plus,
     /// Points drawn so far, and of each point the squared distance from the nearest of them.
     drawn: Vec<usize>,
@@ -30,9 +32,9 @@ pub struct KMeans<'a> {
 impl<'a> KMeans<'a> {
     /// Clusterings of `points` from `seed`.
     pub fn new(points: &'a Points, seed: u64) -> Self {
-        let sample = (points.len() >= MANY).then(|| points.every(SAMPLED_OF));
-        let weights = vec![1.0; sample.as_ref().unwrap_or(points).len()];
-        Self { points, sample, rng: Xoshiro256Plus::seed_from_u64(seed), drawn: vec![], weights }
+        let drawn_from = if points.len() < MANY { Cow::Borrowed(points) } else { Cow::Owned(points.every(SAMPLED_OF)) };
+        let weights = vec![1.0; drawn_from.len()];
+        Self { points, drawn_from, rng: Xoshiro256Plus::seed_from_u64(seed), drawn: vec![], weights }
     }
 
     /// Of `count` clusters the member nearest to each centre, distinct and in ascending order.
@@ -45,10 +47,9 @@ impl<'a> KMeans<'a> {
             return Err(ClusteringError::Count { count, points: points.len() });
         }
         self.draw(count);
-        let drawn_from = self.drawn_from();
-        let start = self.drawn[..count].iter().map(|&i| drawn_from.point(i));
+        let start = self.drawn[..count].iter().map(|&i| self.drawn_from.point(i));
         let mut centres = Centres::new(points.width(), start);
-        if let Some(sample) = &self.sample {
+        if let Cow::Owned(sample) = &self.drawn_from {
             (centres, _) = rounds(sample, centres);
         }
         let (centres, _) = rounds(points, centres);
@@ -66,11 +67,6 @@ impl<'a> KMeans<'a> {
         Ok((0..points.len()).filter(|&i| taken[i]).collect())
     }
 
-    /// What is drawn from.
-    fn drawn_from(&self) -> &Points {
-        self.sample.as_ref().unwrap_or(self.points)
-    }
-
     /// Draws as many points to start from (Arthur & Vassilvitskii, *k-means++: the advantages of careful seeding*, 2007): each drawn with a
     /// chance in proportion to its squared distance from the nearest of those before; the first ones again once no point is apart.
     fn draw(&mut self, count: usize) {
@@ -78,9 +74,8 @@ impl<'a> KMeans<'a> {
             let i = WeightedIndex::new(&self.weights).map_or(0, |chances| chances.sample(&mut self.rng));
             let is_first = self.drawn.is_empty();
             self.drawn.push(i);
-            let points = self.sample.as_ref().unwrap_or(self.points);
-            for (weight, point) in self.weights.iter_mut().zip(points.iter()) {
-                let distance = squared_distance(point, points.point(i));
+            for (weight, point) in self.weights.iter_mut().zip(self.drawn_from.iter()) {
+                let distance = squared_distance(point, self.drawn_from.point(i));
                 *weight = if is_first { distance } else { distance.min(*weight) };
             }
         }
@@ -166,7 +161,7 @@ mod tests {
             (0..MANY as u32 + 1000).map(|i| [f64::from(i % 7) * 100.0 + f64::from(i % 1013) / 500.0, 0.0]).collect();
         let points = Points::new(&points).unwrap();
         let mut clusterings = KMeans::new(&points, 3);
-        assert!(clusterings.sample.as_ref().is_some_and(|sample| sample.len() == points.len().div_ceil(SAMPLED_OF)));
+        assert_eq!(clusterings.drawn_from.len(), points.len().div_ceil(SAMPLED_OF));
         for count in [7, 12, 7] {
             let found = clusterings.members(count).unwrap();
             assert_eq!(found, KMeans::new(&points, 3).members(count).unwrap());
