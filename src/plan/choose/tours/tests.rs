@@ -10,7 +10,8 @@ use super::swaps::{Aim, Market};
 use crate::motion::JointLimits;
 use crate::problem::{Home, MotionSettings};
 use crate::selection::{
-    Constraints, InformationFunction, InformationSet, Instance, RelaxationSettings, Separation, Term, best,
+    Certificate, Constraints, Gradient, InformationFunction, InformationSet, Instance, RelaxationSettings, Separation,
+    Term, best,
 };
 
 /// Views of two parameters from two joints: what a view tells depends on where it is.
@@ -185,6 +186,27 @@ fn views_that_fall_short_hold_no_good_set() {
         }
     }
     assert!(short > 10 * RUNS, "{short}");
+}
+
+/// The first two of four views are looked at, then the best two by their certificate, one of the first again among them: three in all,
+/// and the fourth is one of the best pair.
+#[test]
+fn views_that_are_generated_again_are_no_others() {
+    let views = [[1.0, 0.0, 16.0], [13.0, 0.0, 13.0], [17.0, -9.0, 5.0], [10.0, -7.0, 17.0]];
+    let matrices = views.map(|[a, b, c]| DMatrix::from_row_slice(2, 2, &[a, b, b, c]));
+    let candidates = InformationSet::from_matrices(2, &matrices).unwrap();
+    let instance = Instance::new(&candidates, None, &InformationFunction::Determinant, 2).unwrap();
+    // A poor certificate, by which the first two are best.
+    let y = DMatrix::from_row_slice(2, 2, &[1.0, 0.9, 0.9, 1.0]);
+    let certificate = &Certificate::new(&instance, Gradient::new(&[y], vec![]), vec![]).unwrap();
+    let motion = Small::random(0).motion;
+    let floor = instance.log_value(&[1, 3]).unwrap() - 1e-6;
+    assert!([[0, 1], [1, 2], [0, 2]].iter().all(|pair| instance.log_value(pair).unwrap() < floor - 0.1));
+    let good =
+        Good { instance: &instance, certificate, floor, joints: &[&[0.0]; 4], times: &Times::new(&motion), first: 2 };
+    let scores = Scores::new(&instance, certificate);
+    assert!(good.falls_short(&[0, 1, 2], &scores));
+    assert!(!good.falls_short(&[0, 1, 2, 3], &scores));
 }
 
 #[test]
