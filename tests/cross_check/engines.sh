@@ -78,7 +78,7 @@ some_cells() { [ "$(kept "$1")" -ge "$2" ]; }
 # it cannot end before it is killed.
 task_of() {
     local task="" end=$((SECONDS + 120))
-    until task="$(pgrep "${@:2}" -f "^$calipose study cell .*--output .*/$1 " | head -n 1 | grep .)" && kill -STOP "$task" 2>/dev/null; do
+    until task="$(pgrep "${@:2}" -f "^$calipose study cell .*--output .*/$1( |\$)" | head -n 1 | grep .)" && kill -STOP "$task" 2>/dev/null; do
         [ "$SECONDS" -lt "$end" ] || fail "$1: no task within two minutes"
     done
     echo "$task"
