@@ -2,7 +2,7 @@
 
 #![allow(clippy::inline_always, reason = "what is dispatched is compiled for the processor only where it is inlined")]
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 use crate::camera::MAX_INTRINSICS;
 use crate::selection::packed::packed_len;
@@ -61,18 +61,7 @@ impl Elimination {
     /// Takes the waiting rows in.
     fn eliminate(&mut self) {
         let length = self.waiting.next_multiple_of(LANES);
-        Arch::new().dispatch(
-            #[inline(always)]
-            || {
-                reflect(&mut self.R, &mut self.columns, length);
-                let mut products = self.products.iter_mut();
-                for i in POSE..self.columns.len() {
-                    for (j, product) in (POSE..=i).zip(&mut products) {
-                        *product += dot(&self.columns[i][..length], &self.columns[j][..length]);
-                    }
-                }
-            },
-        );
+        Arch::new().dispatch(Waiting { elimination: self, length });
         for column in &mut self.columns {
             column[..length].fill(0.0);
         }
@@ -87,6 +76,29 @@ impl Elimination {
             self.R[k][k].abs() > UNDETERMINED * column
         };
         (0..POSE).all(determined).then_some(self.products)
+    }
+}
+
+/// The arithmetic of [`Elimination::eliminate`] on so many rows, compiled for every set of instructions that [`Arch`] tells apart. Not by a
+/// closure: whether that is inlined where it is dispatched is up to the compiler.
+struct Waiting<'a> {
+    elimination: &'a mut Elimination,
+    length: usize,
+}
+
+impl WithSimd for Waiting<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { elimination: Elimination { R, columns, products, .. }, length } = self;
+        reflect(R, columns, length);
+        let mut products = products.iter_mut();
+        for i in POSE..columns.len() {
+            for (j, product) in (POSE..=i).zip(&mut products) {
+                *product += dot(&columns[i][..length], &columns[j][..length]);
+            }
+        }
     }
 }
 

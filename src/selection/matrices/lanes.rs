@@ -3,7 +3,7 @@
 
 #![allow(clippy::inline_always, reason = "what is dispatched is compiled for the processor only where it is inlined")]
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 use super::packed::{RESOLUTION, packed_len};
 
@@ -19,10 +19,7 @@ const ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// Replaces each packed M by its Cholesky factor, as [`packed::cholesky`](super::packed::cholesky) does: of each matrix whether it has
 /// one, and whether the determinant alone shows that it [`packed::is_resolved`](super::packed::is_resolved).
 pub(crate) fn factor(m: &mut [Lanes], p: usize) -> ([bool; LANES], [bool; LANES]) {
-    Arch::new().dispatch(
-        #[inline(always)]
-        || (cholesky(m, p), are_clearly_resolved(m, p)),
-    )
+    Arch::new().dispatch(Factor { m, p })
 }
 
 /// Of each factor `tr(Xᵀ M⁻¹ X)`, X being given by its columns of length p one after the other.
@@ -35,10 +32,7 @@ pub(crate) fn variance(l: &[Lanes], columns: &[f64], p: usize) -> Lanes {
         long.resize(p, [0.0; LANES]);
         &mut long
     };
-    Arch::new().dispatch(
-        #[inline(always)]
-        || sum_of_squares(l, columns, p, white),
-    )
+    Arch::new().dispatch(SumOfSquares { l, columns, p, white })
 }
 
 /// Of each factor L of a matrix the packed product `L₂₂ L₂₂ᵀ` of its last block, without the first `skipped` rows and columns.
@@ -50,25 +44,53 @@ pub(crate) fn last_block(l: &[Lanes], p: usize, skipped: usize) -> Vec<Lanes> {
 
 /// Of each matrix whether its least eigenvalue may exceed a positive `level`: not if it certainly, beyond rounding, does not.
 pub(crate) fn exceed(m: &[Lanes], p: usize, level: f64) -> [bool; LANES] {
-    let mut shifted = m.to_vec();
-    Arch::new().dispatch(
-        #[inline(always)]
-        || {
-            let diagonal = (0..p).map(|i| packed_len(i) + i);
-            let mut trace = [0.0; LANES];
-            for place in diagonal.clone() {
-                for lane in 0..LANES {
-                    trace[lane] += m[place][lane];
-                }
+    Arch::new().dispatch(Exceed { m, p, level })
+}
+
+// What is dispatched is no closure: whether that is inlined there is up to the compiler.
+
+struct Factor<'a> {
+    m: &'a mut [Lanes],
+    p: usize,
+}
+
+impl WithSimd for Factor<'_> {
+    type Output = ([bool; LANES], [bool; LANES]);
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        let Self { m, p } = self;
+        (cholesky(m, p), are_clearly_resolved(m, p))
+    }
+}
+
+struct Exceed<'a> {
+    m: &'a [Lanes],
+    p: usize,
+    level: f64,
+}
+
+impl WithSimd for Exceed<'_> {
+    type Output = [bool; LANES];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        let Self { m, p, level } = self;
+        let mut shifted = m.to_vec();
+        let diagonal = (0..p).map(|i| packed_len(i) + i);
+        let mut trace = [0.0; LANES];
+        for place in diagonal.clone() {
+            for lane in 0..LANES {
+                trace[lane] += m[place][lane];
             }
-            for place in diagonal {
-                for lane in 0..LANES {
-                    shifted[place][lane] -= level * (1.0 - 1e-9) - ROUNDING * trace[lane];
-                }
+        }
+        for place in diagonal {
+            for lane in 0..LANES {
+                shifted[place][lane] -= level * (1.0 - 1e-9) - ROUNDING * trace[lane];
             }
-            cholesky(&mut shifted, p)
-        },
-    )
+        }
+        cholesky(&mut shifted, p)
+    }
 }
 
 #[inline(always)]
@@ -109,25 +131,37 @@ fn are_clearly_resolved(l: &[Lanes], p: usize) -> [bool; LANES] {
 }
 
 /// The squares of the entries of `L⁻¹ X`; `white` is work space for one of its columns.
-#[inline(always)]
-fn sum_of_squares(l: &[Lanes], columns: &[f64], p: usize, white: &mut [Lanes]) -> Lanes {
-    let mut sum = [0.0; LANES];
-    for column in columns.chunks_exact(p) {
-        let mut squares = [0.0; LANES];
-        for i in 0..p {
-            let row = &l[packed_len(i)..=packed_len(i) + i];
-            let known = dot(&row[..i], &white[..i]);
+struct SumOfSquares<'a> {
+    l: &'a [Lanes],
+    columns: &'a [f64],
+    p: usize,
+    white: &'a mut [Lanes],
+}
+
+impl WithSimd for SumOfSquares<'_> {
+    type Output = Lanes;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Lanes {
+        let Self { l, columns, p, white } = self;
+        let mut sum = [0.0; LANES];
+        for column in columns.chunks_exact(p) {
+            let mut squares = [0.0; LANES];
+            for i in 0..p {
+                let row = &l[packed_len(i)..=packed_len(i) + i];
+                let known = dot(&row[..i], &white[..i]);
+                for lane in 0..LANES {
+                    let x = (column[i] - known[lane]) / row[i][lane];
+                    white[i][lane] = x;
+                    squares[lane] += x * x;
+                }
+            }
             for lane in 0..LANES {
-                let x = (column[i] - known[lane]) / row[i][lane];
-                white[i][lane] = x;
-                squares[lane] += x * x;
+                sum[lane] += squares[lane];
             }
         }
-        for lane in 0..LANES {
-            sum[lane] += squares[lane];
-        }
+        sum
     }
-    sum
 }
 
 /// `Σ aᵢ bᵢ`.

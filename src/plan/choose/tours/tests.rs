@@ -202,8 +202,8 @@ fn views_that_are_generated_again_are_no_others() {
     let motion = Small::random(0).motion;
     let floor = instance.log_value(&[1, 3]).unwrap() - 1e-6;
     assert!([[0, 1], [1, 2], [0, 2]].iter().all(|pair| instance.log_value(pair).unwrap() < floor - 0.1));
-    let good =
-        Good { instance: &instance, certificate, floor, joints: &[&[0.0]; 4], times: &Times::new(&motion), first: 2 };
+    let (joints, times) = ([[0.0].as_slice(); 4], Times::new(&motion));
+    let good = Good { instance: &instance, certificate, floor, joints: &joints, times: &times, first: 2 };
     let scores = Scores::new(&instance, certificate);
     assert!(good.falls_short(&[0, 1, 2], &scores));
     assert!(!good.falls_short(&[0, 1, 2, 3], &scores));
