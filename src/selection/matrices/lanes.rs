@@ -47,8 +47,8 @@ pub(crate) fn exceed(m: &[Lanes], p: usize, level: f64) -> [bool; LANES] {
     Arch::new().dispatch(Exceed { m, p, level })
 }
 
-// What is dispatched is no closure: whether that is inlined there is up to the compiler.
-
+/// [`factor`], as the others below compiled for every set of instructions that [`Arch`] tells apart. Not by a closure: whether that is
+/// inlined where it is dispatched is up to the compiler.
 struct Factor<'a> {
     m: &'a mut [Lanes],
     p: usize,
@@ -64,6 +64,7 @@ impl WithSimd for Factor<'_> {
     }
 }
 
+/// [`exceed`].
 struct Exceed<'a> {
     m: &'a [Lanes],
     p: usize,
@@ -130,7 +131,7 @@ fn are_clearly_resolved(l: &[Lanes], p: usize) -> [bool; LANES] {
     determinant.map(|determinant| determinant > std::f64::consts::E * p as f64 * RESOLUTION)
 }
 
-/// The squares of the entries of `L⁻¹ X`; `white` is work space for one of its columns.
+/// [`variance`]: the squares of the entries of `L⁻¹ X`; `white` is work space for one of its columns.
 struct SumOfSquares<'a> {
     l: &'a [Lanes],
     columns: &'a [f64],
