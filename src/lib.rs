@@ -68,6 +68,7 @@ pub mod feasibility;
 pub mod figures;
 pub mod formats;
 pub mod information;
+mod lanes;
 pub mod motion;
 pub mod plan;
 pub mod print;

@@ -3,6 +3,8 @@
 //! Frame **C** has x to the right, y down and z forward, as in OpenCV. Pixel (0, 0) is the centre of the top-left
 //! pixel. The intrinsic parameters θ are `fx fy cx cy` in pixels, then the lens's coefficients in OpenCV's order.
 
+#![allow(clippy::inline_always, reason = "what is dispatched is compiled for the processor only where it is inlined")]
+
 mod error;
 mod lens;
 
@@ -10,6 +12,9 @@ pub use error::CameraError;
 pub use lens::Lens;
 
 use nalgebra::{Matrix2x3, Point3, SMatrix, Unit, Vector2, Vector3};
+
+use crate::lanes::Number;
+use lens::Distorted;
 
 /// Parameters of the largest camera model: `fx fy cx cy` and the eight coefficients of [`Lens::Rational`].
 pub const MAX_INTRINSICS: usize = 12;
@@ -50,6 +55,16 @@ pub struct Projection {
     pub by_point: Matrix2x3<f64>,
     /// `∂(u, v)/∂θ`, px per unit of each parameter.
     pub by_intrinsics: IntrinsicsJacobian,
+}
+
+/// The same of one point or of several, as plain numbers.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Image<N> {
+    pixel: [N; 2],
+    /// Two rows.
+    pub(crate) by_point: [[N; 3]; 2],
+    /// Columns.
+    pub(crate) by_intrinsics: [[N; 2]; MAX_INTRINSICS],
 }
 
 impl Camera {
@@ -156,29 +171,40 @@ impl Camera {
     /// The pixel of point `p_C` (m) with its derivatives, or `None` where [`Camera::project`] gives none.
     #[inline]
     pub fn project_with_derivatives(&self, p_C: &Point3<f64>) -> Option<Projection> {
+        let Image { pixel, by_point, by_intrinsics } = self.image(p_C.coords.into())?;
+        let by_point = Matrix2x3::from_fn(|r, c| by_point[r][c]);
+        Some(Projection { pixel: pixel.into(), by_point, by_intrinsics: by_intrinsics.into() })
+    }
+
+    /// The same as plain numbers, of one point or of several; none unless all have a pixel.
+    #[inline(always)]
+    pub(crate) fn image<N: Number>(&self, p_C: [N; 3]) -> Option<Image<N>> {
         let [fx, fy, cx, cy, ref coefficients @ ..] = self.intrinsics;
-        let d = self.lens.distort_with_derivatives(&p_C.coords, coefficients, self.reach)?;
-        let mut by_intrinsics = IntrinsicsJacobian::zeros();
-        by_intrinsics[(0, 0)] = d.point.x;
-        by_intrinsics[(1, 1)] = d.point.y;
-        by_intrinsics[(0, 2)] = 1.0;
-        by_intrinsics[(1, 3)] = 1.0;
-        for (j, column) in d.by_coefficients.column_iter().enumerate() {
-            by_intrinsics[(0, 4 + j)] = fx * column[0];
-            by_intrinsics[(1, 4 + j)] = fy * column[1];
+        let Distorted { point: [x, y], by_point, by_coefficients } =
+            self.lens.distort_with_derivatives(p_C, coefficients, self.reach)?;
+        let [zero, one] = [0.0, 1.0].map(N::all);
+        let mut by_intrinsics = [[zero; 2]; MAX_INTRINSICS];
+        by_intrinsics[..4].copy_from_slice(&[[x, zero], [zero, y], [one, zero], [zero, one]]);
+        for (column, [u, v]) in by_intrinsics[4..].iter_mut().zip(by_coefficients) {
+            *column = [u * fx, v * fy];
         }
-        let mut by_point = d.by_point;
-        by_point.row_mut(0).scale_mut(fx);
-        by_point.row_mut(1).scale_mut(fy);
-        Some(Projection { pixel: Vector2::new(fx * d.point.x + cx, fy * d.point.y + cy), by_point, by_intrinsics })
+        let pixel = [x * fx + N::all(cx), y * fy + N::all(cy)];
+        let by_point = [by_point[0].map(|entry| entry * fx), by_point[1].map(|entry| entry * fy)];
+        Some(Image { pixel, by_point, by_intrinsics })
     }
 
     /// Vergence of a point `p_C` (m), in 1/m: one over its distance as the lens is focused on it, which is that along the axis,
     /// or through a fisheye, which sees a sphere sharp and not a plane, that from its centre.
     #[inline]
     pub fn vergence(&self, p_C: &Point3<f64>) -> f64 {
-        let distance = if self.lens.is_fisheye() { p_C.coords.norm() } else { p_C.z };
-        distance.recip()
+        self.vergence_of(p_C.coords.into())
+    }
+
+    /// The same of one point or of several.
+    #[inline(always)]
+    pub(crate) fn vergence_of<N: Number>(&self, [x, y, z]: [N; 3]) -> N {
+        let distance = if self.lens.is_fisheye() { (x * x + y * y + z * z).sqrt() } else { z };
+        N::all(1.0) / distance
     }
 
     /// The direction in C whose image is `pixel`, or `None` where the lens reaches no such pixel.

@@ -2,9 +2,10 @@
 
 use std::f64::consts::PI;
 
-use super::lanes::{LANES, Lanes};
 use super::taylor::{Expansion, Taylor};
+use super::{LANES, Lanes};
 use crate::camera::{Camera, Lens, MAX_INTRINSICS};
+use crate::lanes::Number;
 
 /// A pixel and its derivatives.
 pub(super) struct Image<const N: usize, const Q: usize, const C: usize> {
@@ -212,7 +213,7 @@ struct Sines([Lanes; 6]);
 impl Sines {
     fn at(w: Lanes) -> Self {
         let columns = w.0.map(Self::one);
-        Self(std::array::from_fn(|order| Lanes(std::array::from_fn(|lane| columns[lane][order]))))
+        Self(std::array::from_fn(|order| Lanes::of(std::array::from_fn(|lane| columns[lane][order]))))
     }
 
     fn one(w: f64) -> [f64; 6] {

@@ -13,7 +13,6 @@
 mod cell;
 mod frustum;
 mod image;
-mod lanes;
 mod quadratic;
 mod score;
 mod search;
@@ -36,10 +35,15 @@ use twist::{Kinematics, direction, point};
 
 use crate::feasibility::VisibilityLimits;
 use crate::information::Measurement;
+use crate::lanes::Lanes as Several;
 use crate::robot::{Limits, Robot};
 use crate::selection::packed::{packed_len, unpack};
 use crate::sweep::AxisRule;
 use crate::target::Target;
+
+/// Corners of a board that are worked on at once, and one number of each.
+const LANES: usize = 4;
+type Lanes = Several<LANES>;
 
 /// Where views are sought, and what they measure.
 #[derive(Debug, Clone)]

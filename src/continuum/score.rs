@@ -10,12 +10,13 @@ use nalgebra::{DMatrix, Matrix6, Point3, SMatrix, Vector2, Vector6};
 
 use super::frustum::Frustum;
 use super::image::{self, Image};
-use super::lanes::{LANES, Lanes};
 use super::quadratic::Quadratic;
 use super::taylor::{Affine, Taylor};
 use super::twist::{Kinematics, Moved, direction, point};
+use super::{LANES, Lanes};
 use crate::camera::Camera;
 use crate::information::{Blur, LEAST_SHARE, Measurement, NoiseModel};
+use crate::lanes::Number;
 use crate::target::Feature;
 
 /// Corners that are looked at together.
@@ -83,7 +84,7 @@ pub(super) fn packed<const N: usize, const Q: usize, const C: usize>(
     moved: &[Moved<N, Q, C>; LANES],
 ) -> [Taylor<N, Q, C>; 3] {
     std::array::from_fn(|row| {
-        let lanes = |of: &dyn Fn(&Moved<N, Q, C>) -> f64| Lanes(std::array::from_fn(|lane| of(&moved[lane])));
+        let lanes = |of: &dyn Fn(&Moved<N, Q, C>) -> f64| Lanes::of(std::array::from_fn(|lane| of(&moved[lane])));
         Taylor::new(
             lanes(&|moved| moved.c[row]),
             std::array::from_fn(|a| lanes(&|moved| moved.l[a][row])),
@@ -235,7 +236,7 @@ fn rows_of<const N: usize, const Q: usize, const C: usize>(
         let up = along(&axes[2]);
         let rises = group.points.map(|p| warp.rises(&p.coords.xy()));
         [0, 1].map(|height| {
-            let rises = Lanes(rises.map(|rises| rises[height]));
+            let rises = Lanes::of(rises.map(|rises| rises[height]));
             [up[0].scaled_by(rises), up[1].scaled_by(rises)]
         })
     });
@@ -271,7 +272,7 @@ fn precision<const N: usize, const Q: usize, const C: usize>(
     }
     let by_place = [along(&axes[0]), along(&axes[1])];
     let edge = |places: [Vector2<f64>; LANES]| {
-        let [x, y] = [0, 1].map(|i| Lanes(places.map(|place| place[i])));
+        let [x, y] = [0, 1].map(|i| Lanes::of(places.map(|place| place[i])));
         [0, 1].map(|row| &by_place[0][row].scaled_by(x) + &by_place[1][row].scaled_by(y))
     };
     let vergence = vergence(measurement, points);
@@ -284,7 +285,7 @@ fn precision<const N: usize, const Q: usize, const C: usize>(
                     _ => Vector2::zeros(),
                 }))
             });
-            let sides = Lanes(features.map(|feature| match feature {
+            let sides = Lanes::of(features.map(|feature| match feature {
                 Feature::Corner { is_crossing: true, .. } => 1.0,
                 _ => 0.5,
             }));
@@ -308,7 +309,7 @@ fn precision<const N: usize, const Q: usize, const C: usize>(
             (circle(*radius, *window, &edge, counts)?, left)
         }
     };
-    let T = T.map(|entry| entry.scaled_by(Lanes(left)));
+    let T = T.map(|entry| entry.scaled_by(Lanes::of(left)));
     Ok([T[0].plus(LEAST_SHARE), T[1], T[2].plus(LEAST_SHARE)])
 }
 

@@ -3,10 +3,10 @@
 use nalgebra::{Point3, Vector3};
 
 use super::frustum::Frustum;
-use super::lanes::{LANES, Lanes};
 use super::quadratic::Quadratic;
 use super::taylor::Taylor;
 use super::twist::{Kinematics, Moved, direction, point};
+use super::{LANES, Lanes};
 use crate::camera::Camera;
 use crate::feasibility::VisibilityLimits;
 use crate::sweep::AxisRule;
@@ -163,7 +163,7 @@ fn inside<const N: usize, const Q: usize, const C: usize>(
     let across = [0, 0, 1, 1];
     let (fall, height) = (model(axis, [2; LANES], [-1.0; LANES]), model(camera, [2; LANES], [1.0; LANES]));
     let (place, slope) = (model(camera, across, sides), model(axis, across, sides));
-    let half = Lanes([zone.width, zone.width, zone.height, zone.height].map(|size| 0.5 * size * (1.0 + ROUNDING)));
+    let half = Lanes::of([zone.width, zone.width, zone.height, zone.height].map(|size| 0.5 * size * (1.0 + ROUNDING)));
     &fall.scaled_by(half) - &(&(&place * &fall) + &(&slope * &height))
 }
 
@@ -173,8 +173,8 @@ fn model<const N: usize, const Q: usize, const C: usize>(
     rows: [usize; LANES],
     factors: [f64; LANES],
 ) -> Taylor<N, Q, C> {
-    let lanes = |v: &Vector3<f64>| Lanes(std::array::from_fn(|lane| factors[lane] * v[rows[lane]]));
-    let r = Lanes(factors.map(|factor| of.r * factor.abs()));
+    let lanes = |v: &Vector3<f64>| Lanes::of(std::array::from_fn(|lane| factors[lane] * v[rows[lane]]));
+    let r = Lanes::of(factors.map(|factor| of.r * factor.abs()));
     Taylor::new(lanes(&of.c), of.l.each_ref().map(lanes), of.q.each_ref().map(lanes), of.t.each_ref().map(lanes), r)
 }
 

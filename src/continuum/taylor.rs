@@ -13,7 +13,8 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-use super::lanes::{LANES, Lanes};
+use super::{LANES, Lanes};
+use crate::lanes::Number;
 
 /// Four Taylor models of N variables with Q = N (N + 1) / 2 products of two of them and C = Q (N + 2) / 3 of three.
 #[derive(Debug, Clone, Copy)]

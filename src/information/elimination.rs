@@ -5,6 +5,7 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::camera::MAX_INTRINSICS;
+use crate::lanes::Lanes;
 use crate::selection::packed::packed_len;
 use crate::target::Warp;
 
@@ -18,7 +19,10 @@ pub(super) const MOST_COLUMNS: usize = POSE + Warp::HEIGHTS + MAX_INTRINSICS;
 const BLOCK: usize = 96;
 
 /// Rows that are worked on side by side. The sums are of these first, whatever the processor: to the same bits on all.
-const LANES: usize = 8;
+pub(super) const LANES: usize = 8;
+
+/// Columns whose dot products with one are taken together: each waits for its own sums, not for the others'.
+const TOGETHER: usize = 4;
 
 /// A pose's variable of which its column leaves no more than this share beside the others before it is not determined.
 const UNDETERMINED: f64 = 1e-12;
@@ -47,18 +51,23 @@ impl Elimination {
         }
     }
 
-    /// Adds a row; what is beyond its own columns is not looked at.
-    pub(super) fn add(&mut self, row: &[f64; MOST_COLUMNS]) {
-        for (column, &entry) in self.columns.iter_mut().zip(row) {
-            column[self.waiting] = entry;
-        }
-        self.waiting += 1;
-        if self.waiting == BLOCK {
+    /// Adds two rows of each of the first `count` corners, by columns; what is beyond its own is not looked at.
+    #[inline(always)]
+    pub(super) fn add(&mut self, rows: &[[Lanes<LANES>; 2]; MOST_COLUMNS], count: usize) {
+        if self.waiting + 2 * count > BLOCK {
             self.eliminate();
         }
+        for (column, [u, v]) in self.columns.iter_mut().zip(rows) {
+            let pairs = column[self.waiting..self.waiting + 2 * count].chunks_exact_mut(2);
+            for (pair, (u, v)) in pairs.zip(u.0.iter().zip(v.0)) {
+                pair.copy_from_slice(&[*u, v]);
+            }
+        }
+        self.waiting += 2 * count;
     }
 
     /// Takes the waiting rows in.
+    #[inline(never)]
     fn eliminate(&mut self) {
         let length = self.waiting.next_multiple_of(LANES);
         Arch::new().dispatch(Waiting { elimination: self, length });
@@ -93,11 +102,16 @@ impl WithSimd for Waiting<'_> {
     fn with_simd<S: Simd>(self, _: S) {
         let Self { elimination: Elimination { R, columns, products, .. }, length } = self;
         reflect(R, columns, length);
-        let mut products = products.iter_mut();
+        let mut products = &mut products[..];
         for i in POSE..columns.len() {
-            for (j, product) in (POSE..=i).zip(&mut products) {
-                *product += dot(&columns[i][..length], &columns[j][..length]);
+            let (row, rest) = products.split_at_mut(i - POSE + 1);
+            let own = &columns[i][..length];
+            for (products, columns) in row.chunks_mut(TOGETHER).zip(columns[POSE..=i].chunks(TOGETHER)) {
+                for (product, dot) in products.iter_mut().zip(dots(own, columns)) {
+                    *product += dot;
+                }
             }
+            products = rest;
         }
     }
 }
@@ -110,7 +124,8 @@ fn reflect(R: &mut [[f64; MOST_COLUMNS]; POSE], columns: &mut [[f64; BLOCK]], le
         let (before, after) = columns.split_at_mut(k + 1);
         let own = &before[k][..length];
         let pivot = R_k[k];
-        let norm = (pivot * pivot + dot(own, own)).sqrt();
+        let [square] = dots_of(own, [&before[k]]);
+        let norm = (pivot * pivot + square).sqrt();
         if norm == 0.0 {
             continue;
         }
@@ -118,25 +133,51 @@ fn reflect(R: &mut [[f64; MOST_COLUMNS]; POSE], columns: &mut [[f64; BLOCK]], le
         // 2 / vᵀv of the reflection's vector v.
         let scale = 1.0 / (norm * (norm + pivot.abs()));
         R_k[k] = -norm.copysign(pivot);
-        for (entry, column) in R_k[k + 1..].iter_mut().zip(after) {
-            let column = &mut column[..length];
-            let along = (top * *entry + dot(own, column)) * scale;
-            *entry -= top * along;
-            for (entry, own) in column.iter_mut().zip(own) {
-                *entry -= own * along;
+        for (entries, columns) in R_k[k + 1..].chunks_mut(TOGETHER).zip(after.chunks_mut(TOGETHER)) {
+            let dots = dots(own, columns);
+            for ((entry, column), dot) in entries.iter_mut().zip(columns).zip(dots) {
+                let along = (top * *entry + dot) * scale;
+                *entry -= top * along;
+                for (entry, own) in column.iter_mut().zip(own) {
+                    *entry -= own * along;
+                }
             }
         }
     }
 }
 
-/// Of columns whose length is a multiple of [`LANES`].
+/// Of a column whose length is a multiple of [`LANES`] with each of at most [`TOGETHER`] others.
 #[inline(always)]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; LANES];
-    for (a, b) in a.chunks_exact(LANES).zip(b.chunks_exact(LANES)) {
-        for lane in 0..LANES {
-            sums[lane] += a[lane] * b[lane];
+fn dots(own: &[f64], columns: &[[f64; BLOCK]]) -> [f64; TOGETHER] {
+    match columns {
+        [a, b, c, d] => dots_of(own, [a, b, c, d]),
+        [a, b, c] => {
+            let [a, b, c] = dots_of(own, [a, b, c]);
+            [a, b, c, 0.0]
+        }
+        [a, b] => {
+            let [a, b] = dots_of(own, [a, b]);
+            [a, b, 0.0, 0.0]
+        }
+        [a] => {
+            let [a] = dots_of(own, [a]);
+            [a, 0.0, 0.0, 0.0]
+        }
+        _ => unreachable!("columns are taken by {TOGETHER}"),
+    }
+}
+
+/// The dot product with each of the columns.
+#[inline(always)]
+fn dots_of<const N: usize>(own: &[f64], columns: [&[f64; BLOCK]; N]) -> [f64; N] {
+    let mut sums = [[0.0; LANES]; N];
+    for (c, own) in own.chunks_exact(LANES).enumerate() {
+        for (sums, column) in sums.iter_mut().zip(columns) {
+            let column = &column[c * LANES..(c + 1) * LANES];
+            for lane in 0..LANES {
+                sums[lane] += own[lane] * column[lane];
+            }
         }
     }
-    sums.iter().sum()
+    sums.map(|sums| sums.iter().sum())
 }

@@ -12,12 +12,15 @@
 //! so that σ is the deviation of a corner of large squares that are seen square-on, for which T = 2w·1. The edge of a circle
 //! tells of its centre in the same way, `T = ∮ n nᵀ ds`. Of blurred edges, T is less ([`Blur`]).
 
+#![allow(clippy::inline_always, reason = "what is dispatched is compiled for the processor only where it is inlined")]
+
 use std::f64::consts::TAU;
 
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, SMatrix, Vector2};
 
 use super::blur::Blur;
 use crate::camera::Camera;
+use crate::lanes::{Lanes, Number};
 use crate::target::Feature;
 
 /// How far detected points scatter.
@@ -57,10 +60,24 @@ pub enum NoiseName {
 /// The upper triangle W of a 2×2 matrix with `WᵀW = σ² Σ⁻¹`: residuals and derivatives times W are as those of a point with
 /// the standard deviation σ in each direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Whitening {
-    xx: f64,
-    xy: f64,
-    yy: f64,
+pub struct Whitening<N = f64> {
+    xx: N,
+    xy: N,
+    yy: N,
+}
+
+/// What a point is, or what several of one kind are: a [`Feature`] as plain numbers.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Kind<N> {
+    /// Edges that meet, and on how many sides of the corner each is seen.
+    Corner {
+        edges: [[N; 2]; 2],
+        sides: N,
+    },
+    Circle {
+        radius: N,
+    },
+    Point,
 }
 
 /// Points of a circle's edge that are looked at.
@@ -74,23 +91,10 @@ impl Whitening {
     /// Of a point with the standard deviation σ in each direction.
     pub const NONE: Self = Self { xx: 1.0, xy: 0.0, yy: 1.0 };
 
-    /// Of a symmetric positive definite matrix `σ² Σ⁻¹`.
-    fn of(precision: &Matrix2<f64>) -> Self {
-        let xx = precision.m11.sqrt();
-        let xy = precision.m12 / xx;
-        Self { xx, xy, yy: (precision.m22 - xy * xy).max(0.0).sqrt() }
-    }
-
     /// The same of a point of another weight: that much less scatter.
     #[must_use]
     pub fn weighted(self, weight: f64) -> Self {
         Self { xx: weight * self.xx, xy: weight * self.xy, yy: weight * self.yy }
-    }
-
-    /// `W r`.
-    #[inline]
-    pub fn whitened(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        [self.xx * x + self.xy * y, self.yy * y]
     }
 
     /// `W A`.
@@ -111,6 +115,30 @@ impl Whitening {
     }
 }
 
+#[allow(private_bounds, reason = "what is here is the crate's own")]
+impl<N: Number> Whitening<N> {
+    /// Of points with the standard deviation σ in each direction.
+    #[inline(always)]
+    fn none() -> Self {
+        let [zero, one] = [0.0, 1.0].map(N::all);
+        Self { xx: one, xy: zero, yy: one }
+    }
+
+    /// Of a symmetric positive definite matrix `σ² Σ⁻¹`, by its entries xx, xy and yy.
+    #[inline(always)]
+    fn of(precision: [N; 3]) -> Self {
+        let xx = precision[0].sqrt();
+        let xy = precision[1] / xx;
+        Self { xx, xy, yy: (precision[2] - xy * xy).map(|rest| rest.max(0.0)).sqrt() }
+    }
+
+    /// `W r`.
+    #[inline(always)]
+    pub(crate) fn whitened(&self, [x, y]: [N; 2]) -> [N; 2] {
+        [self.xx * x + self.xy * y, self.yy * y]
+    }
+}
+
 impl NoiseModel {
     /// Half the side of the window, px, where nothing is said: what most programs give OpenCV's `cornerSubPix`.
     pub const USUAL_WINDOW: f64 = 5.0;
@@ -128,8 +156,17 @@ impl NoiseModel {
         match self {
             Self::Constant => Whitening::NONE,
             Self::Edges { window, blur } => {
-                edges(*window, blur, feature, &(by_point * R.fixed_columns::<2>(0)), vergence)
+                edges(*window, blur, &feature.into(), &rows(&(by_point * R.fixed_columns::<2>(0))), vergence)
             }
+        }
+    }
+
+    /// The same of one point or of several, by the derivatives of their pixels by their places on the board (px per m), two rows.
+    #[inline(always)]
+    pub(super) fn whitening_of<N: Number>(&self, kind: &Kind<N>, by_place: &[[N; 2]; 2], vergence: N) -> Whitening<N> {
+        match self {
+            Self::Constant => Whitening::none(),
+            Self::Edges { window, blur } => edges(*window, blur, kind, by_place, vergence),
         }
     }
 
@@ -142,7 +179,7 @@ impl NoiseModel {
             Self::Edges { window, blur } => {
                 // The direction that is seen square-on is magnified by f/z.
                 let magnification = by_place.singular_values().max();
-                edges(*window, blur, feature, by_place, magnification / blur.focal_length)
+                edges(*window, blur, &feature.into(), &rows(by_place), magnification / blur.focal_length)
             }
         }
     }
@@ -178,57 +215,134 @@ impl NoiseName {
     }
 }
 
-fn edges(window: f64, blur: &Blur, feature: &Feature, by_place: &Matrix2<f64>, vergence: f64) -> Whitening {
-    let T = match feature {
-        Feature::Point => return Whitening::NONE,
-        Feature::Corner { edges, is_crossing } => {
-            let in_picture = edges.map(|edge| by_place * edge);
-            let T = of_corner(window, &in_picture, *is_crossing);
+impl From<&Feature> for Kind<f64> {
+    #[inline(always)]
+    fn from(feature: &Feature) -> Self {
+        match *feature {
+            Feature::Corner { edges, is_crossing } => {
+                Self::Corner { edges: edges.map(Into::into), sides: if is_crossing { 2.0 } else { 1.0 } }
+            }
+            Feature::Circle { radius } => Self::Circle { radius },
+            Feature::Point => Self::Point,
+        }
+    }
+}
+
+impl<const L: usize> Kind<Lanes<L>> {
+    /// Of several; none if they are not of one kind.
+    #[inline(always)]
+    pub(super) fn of_all(features: [&Feature; L]) -> Option<Self> {
+        let (mut edges, mut sides, mut radius) = ([[Lanes::ZERO; 2]; 2], Lanes::ZERO, Lanes::ZERO);
+        let [mut corners, mut circles] = [0; 2];
+        for (lane, feature) in features.into_iter().enumerate() {
+            match feature.into() {
+                Kind::Corner { edges: own, sides: own_sides } => {
+                    corners += 1;
+                    sides.0[lane] = own_sides;
+                    for (d, along) in own.into_iter().enumerate() {
+                        [edges[d][0].0[lane], edges[d][1].0[lane]] = along;
+                    }
+                }
+                Kind::Circle { radius: own } => {
+                    circles += 1;
+                    radius.0[lane] = own;
+                }
+                Kind::Point => {}
+            }
+        }
+        match (corners, circles) {
+            (0, 0) => Some(Self::Point),
+            (corners, 0) if corners == L => Some(Self::Corner { edges, sides }),
+            (0, circles) if circles == L => Some(Self::Circle { radius }),
+            _ => None,
+        }
+    }
+}
+
+/// The rows of a matrix.
+fn rows(matrix: &Matrix2<f64>) -> [[f64; 2]; 2] {
+    [[matrix.m11, matrix.m12], [matrix.m21, matrix.m22]]
+}
+
+#[inline(always)]
+fn edges<N: Number>(window: f64, blur: &Blur, kind: &Kind<N>, by_place: &[[N; 2]; 2], vergence: N) -> Whitening<N> {
+    let T = match kind {
+        Kind::Point => return Whitening::none(),
+        Kind::Corner { edges, sides } => {
+            let in_picture = edges.map(|edge| times(by_place, edge));
+            let T = of_corner(window, &in_picture, *sides);
             if blur.is_sharp() {
                 T
             } else {
-                let reach = window * sine(&in_picture).max(LEAST_SHARE);
-                T * blur.corner(vergence, reach)
+                let reach = sine(&in_picture).map(|sine| window * sine.max(LEAST_SHARE));
+                let left = vergence.zip(reach, |vergence, reach| blur.corner(vergence, reach));
+                T.map(|entry| entry * left)
             }
         }
-        Feature::Circle { radius } => of_circle(*radius, by_place) * blur.edge(vergence),
+        Kind::Circle { radius } => {
+            let left = vergence.map(|vergence| blur.edge(vergence));
+            of_circle(*radius, by_place).map(|entry| entry * left)
+        }
     };
-    let least = Matrix2::from_diagonal_element(LEAST_SHARE);
-    Whitening::of(&(T / (2.0 * window) + least))
+    let [xx, xy, yy] = T.map(|entry| entry / N::all(2.0 * window));
+    let least = N::all(LEAST_SHARE);
+    Whitening::of([xx + least, xy, yy + least])
+}
+
+/// The product with a matrix of those rows.
+#[inline(always)]
+fn times<N: Number>(rows: &[[N; 2]; 2], [x, y]: [N; 2]) -> [N; 2] {
+    rows.map(|[a, b]| a * x + b * y)
+}
+
+#[inline(always)]
+fn norm<N: Number>([x, y]: [N; 2]) -> N {
+    (x * x + y * y).sqrt()
 }
 
 /// Sine of the angle at which two edges meet; 0 where one has no length.
-fn sine([a, b]: &[Vector2<f64>; 2]) -> f64 {
-    let lengths = a.norm() * b.norm();
-    if lengths > 0.0 { a.perp(b).abs() / lengths } else { 0.0 }
+#[inline(always)]
+fn sine<N: Number>([a, b]: &[[N; 2]; 2]) -> N {
+    let perpendicular = a[0] * b[1] - a[1] * b[0];
+    let lengths = norm(*a) * norm(*b);
+    perpendicular.zip(lengths, |perpendicular, lengths| if lengths > 0.0 { perpendicular.abs() / lengths } else { 0.0 })
 }
 
-/// T of a corner, px: of its edges in the picture, px, the part that is in the window and not beyond the next corner.
-fn of_corner(window: f64, edges: &[Vector2<f64>; 2], is_crossing: bool) -> Matrix2<f64> {
-    let sides = if is_crossing { 2.0 } else { 1.0 };
-    let of_edge = |along: &Vector2<f64>| {
-        let longest = along.amax();
-        if longest == 0.0 {
-            return Matrix2::zeros();
-        }
+/// T of a corner, px, its entries xx, xy and yy: of its edges in the picture, px, the part that is in the window and not beyond the
+/// next corner.
+#[inline(always)]
+fn of_corner<N: Number>(window: f64, edges: &[[N; 2]; 2], sides: N) -> [N; 3] {
+    let [a, b] = edges.map(|[x, y]| {
         // The window is a square.
-        let share = (window / longest).min(1.0);
-        let across = Vector2::new(-along.y, along.x);
-        across * across.transpose() * (sides * share / along.norm())
-    };
-    edges.iter().map(of_edge).sum()
+        let longest = x.zip(y, |x, y| x.abs().max(y.abs()));
+        let share = longest.map(|longest| (window / longest).min(1.0));
+        let factor =
+            (sides * share / norm([x, y])).zip(longest, |factor, longest| if longest == 0.0 { 0.0 } else { factor });
+        outer([-y, x]).map(|entry| entry * factor)
+    });
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
-/// T of the centre of a circle, px.
-fn of_circle(radius: f64, by_place: &Matrix2<f64>) -> Matrix2<f64> {
+/// T of the centre of a circle, px, its entries xx, xy and yy.
+#[inline(always)]
+fn of_circle<N: Number>(radius: N, by_place: &[[N; 2]; 2]) -> [N; 3] {
     let step = TAU / f64::from(EDGE_POINTS);
-    let of_point = |i: u32| {
-        let φ = step * f64::from(i);
-        let along = by_place * Vector2::new(-φ.sin(), φ.cos()) * radius;
-        let n = Vector2::new(-along.y, along.x);
-        n * n.transpose() / along.norm() * step
-    };
-    (0..EDGE_POINTS).map(of_point).sum()
+    let mut T = [N::all(0.0); 3];
+    for i in 0..EDGE_POINTS {
+        let (sin, cos) = (step * f64::from(i)).sin_cos();
+        let [x, y] = times(by_place, [-sin, cos].map(N::all)).map(|entry| entry * radius);
+        let length = norm([x, y]);
+        for (sum, entry) in T.iter_mut().zip(outer([-y, x])) {
+            *sum = *sum + entry / length * step;
+        }
+    }
+    T
+}
+
+/// `v vᵀ`, its entries xx, xy and yy.
+#[inline(always)]
+fn outer<N: Number>([x, y]: [N; 2]) -> [N; 3] {
+    [x * x, x * y, y * y]
 }
 
 #[cfg(test)]

@@ -42,10 +42,10 @@ impl Unweighted {
         for (at, &i) in indices.iter().enumerate() {
             let derivatives = measurement.derivatives(i, &R, &X_CT.translation.vector)?;
             for (j, &parameter) in estimated.iter().enumerate() {
-                A.fixed_view_mut::<2, 1>(2 * at, j).copy_from(&derivatives.by_intrinsics.column(parameter));
+                A.fixed_view_mut::<2, 1>(2 * at, j).copy_from_slice(&derivatives.by_intrinsics[parameter]);
             }
-            B.fixed_view_mut::<2, 6>(2 * at, 0).copy_from(&derivatives.by_pose);
-            C.fixed_view_mut::<2, { Warp::HEIGHTS }>(2 * at, 0).copy_from(&derivatives.by_heights);
+            B.fixed_view_mut::<2, 6>(2 * at, 0).copy_from_slice(derivatives.by_pose.as_flattened());
+            C.fixed_view_mut::<2, { Warp::HEIGHTS }>(2 * at, 0).copy_from_slice(derivatives.by_heights.as_flattened());
             covariances.push(derivatives.whitening.covariance());
         }
         let Q = B.qr().q();

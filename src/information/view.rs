@@ -1,11 +1,16 @@
 //! Information of one view of the board.
 
-use nalgebra::{DMatrix, Matrix2x6, Matrix3, Point3, SMatrix, Vector3};
+#![allow(clippy::inline_always, reason = "what is dispatched is compiled for the processor only where it is inlined")]
+
+use nalgebra::{DMatrix, Matrix3, Point3, Vector3};
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-use super::elimination::{Elimination, MOST_COLUMNS, POSE};
+use super::elimination::{Elimination, LANES, MOST_COLUMNS, POSE};
+use super::noise::Kind;
 use super::{Noise, Unknowns, Whitening};
-use crate::camera::IntrinsicsJacobian;
+use crate::camera::{Image, MAX_INTRINSICS};
+use crate::lanes::{Lanes, Number};
 use crate::selection::InformationSet;
 use crate::selection::packed::{inverse, packed_len};
 use crate::spatial::Pose;
@@ -29,14 +34,14 @@ pub struct Measurement<'a> {
     pub pictures: usize,
 }
 
-/// A corner's pixel by what it depends on.
-pub(super) struct Derivatives {
-    pub(super) by_intrinsics: IntrinsicsJacobian,
+/// A corner's pixel by what it depends on, or several corners' pixels: columns of two rows.
+pub(super) struct Derivatives<N> {
+    pub(super) by_intrinsics: [[N; 2]; MAX_INTRINSICS],
     /// By `(ω, v)`.
-    pub(super) by_pose: Matrix2x6<f64>,
+    pub(super) by_pose: [[N; 2]; POSE],
     /// By the board's heights; zero where it is flat.
-    pub(super) by_heights: SMatrix<f64, 2, { Warp::HEIGHTS }>,
-    pub(super) whitening: Whitening,
+    pub(super) by_heights: [[N; 2]; Warp::HEIGHTS],
+    pub(super) whitening: Whitening<N>,
 }
 
 impl<'a> Measurement<'a> {
@@ -71,11 +76,12 @@ impl<'a> Measurement<'a> {
     ///
     /// `None` if a corner has no image or the corners do not determine the pose.
     pub(crate) fn information(&self, X_CT: &Pose, seen: &Corners) -> Option<Vec<f64>> {
+        let corner_count = match seen {
+            Corners::All => self.corners.len(),
+            Corners::Some(indices) => indices.len(),
+        };
         let mut elimination = Elimination::new(self.order());
-        match seen {
-            Corners::All => self.add(&mut elimination, X_CT, 0..self.corners.len()),
-            Corners::Some(indices) => self.add(&mut elimination, X_CT, indices.iter().copied()),
-        }?;
+        Arch::new().dispatch(Rows { measurement: self, X_CT, seen, corner_count, elimination: &mut elimination })?;
         let scale = self.scale();
         let mut information = elimination.finish()?;
         for entry in &mut information {
@@ -89,53 +95,41 @@ impl<'a> Measurement<'a> {
         self.pictures as f64 / (self.noise.sigma * self.noise.sigma)
     }
 
-    /// Adds the rows of the corners with those indices; `None` if one has no image.
-    fn add(&self, elimination: &mut Elimination, X_CT: &Pose, corners: impl Iterator<Item = usize>) -> Option<()> {
-        let R = X_CT.rotation.to_rotation_matrix().into_inner();
-        for i in corners {
-            let Derivatives { by_intrinsics, by_pose, by_heights, whitening } =
-                self.derivatives(i, &R, &X_CT.translation.vector)?;
-            let [mut u, mut v] = [[0.0; MOST_COLUMNS]; 2];
-            for j in 0..POSE {
-                [u[j], v[j]] = whitening.whitened(by_pose.column(j).into());
-            }
-            let nuisance = self.nuisance();
-            for j in 0..nuisance {
-                [u[POSE + j], v[POSE + j]] = whitening.whitened(by_heights.column(j).into());
-            }
-            for (j, &parameter) in self.unknowns.estimated.iter().enumerate() {
-                let j = nuisance + j;
-                [u[POSE + j], v[POSE + j]] = whitening.whitened(by_intrinsics.column(parameter).into());
-            }
-            elimination.add(&u);
-            elimination.add(&v);
-        }
-        Some(())
+    /// The derivatives of a corner's pixel by its index, seen from `X_CT = (R, t)`; `None` if it has no image.
+    pub(super) fn derivatives(&self, i: usize, R: &Matrix3<f64>, t: &Vector3<f64>) -> Option<Derivatives<f64>> {
+        self.derivatives_of(self.corners[i].coords.into(), &Kind::from(&self.features[i]), R, t)
     }
 
-    /// The derivatives of a corner's pixel by its index, seen from `X_CT = (R, t)`; `None` if it has no image.
-    #[inline]
-    pub(super) fn derivatives(&self, i: usize, R: &Matrix3<f64>, t: &Vector3<f64>) -> Option<Derivatives> {
+    /// The same of one point on the board or of several, and of what they are.
+    #[inline(always)]
+    fn derivatives_of<N: Number>(
+        &self,
+        p_T: [N; 3],
+        kind: &Kind<N>,
+        R: &Matrix3<f64>,
+        t: &Vector3<f64>,
+    ) -> Option<Derivatives<N>> {
+        let along = |row: [N; 3], c: usize| row[0] * R[(0, c)] + row[1] * R[(1, c)] + row[2] * R[(2, c)];
         // The pose is perturbed about the board's centre (see `spatial::perturb`).
-        let arm = R * self.corners[i].coords;
-        let (camera, p_C) = (self.unknowns.camera, Point3::from(arm + t));
-        let projection = camera.project_with_derivatives(&p_C)?;
-        let mut by_pose = Matrix2x6::zeros();
-        for (row, by_point) in projection.by_point.row_iter().enumerate() {
-            // −aᵀ[arm]× = (arm × a)ᵀ.
-            by_pose.fixed_view_mut::<1, 3>(row, 0).copy_from(&arm.cross(&by_point.transpose()).transpose());
-            by_pose.fixed_view_mut::<1, 3>(row, 3).copy_from(&by_point);
-        }
-        let vergence = camera.vergence(&p_C);
-        let whitening = self.noise.model.whitening_in_view(&self.features[i], &projection.by_point, R, vergence);
-        let mut by_heights = SMatrix::<f64, 2, { Warp::HEIGHTS }>::zeros();
-        if let Some(warp) = &self.warp {
-            let up = projection.by_point * R.column(2);
-            for (mut column, rise) in by_heights.column_iter_mut().zip(warp.rises(&self.corners[i].coords.xy())) {
-                column.copy_from(&(up * rise));
+        let arm: [N; 3] = std::array::from_fn(|r| p_T[0] * R[(r, 0)] + p_T[1] * R[(r, 1)] + p_T[2] * R[(r, 2)]);
+        let p_C: [N; 3] = std::array::from_fn(|r| arm[r] + N::all(t[r]));
+        let camera = self.unknowns.camera;
+        let Image { by_point, by_intrinsics, .. } = camera.image(p_C)?;
+        // −aᵀ[arm]× = (arm × a)ᵀ.
+        let turned = by_point
+            .map(|a| [arm[1] * a[2] - arm[2] * a[1], arm[2] * a[0] - arm[0] * a[2], arm[0] * a[1] - arm[1] * a[0]]);
+        let column = |rows: &[[N; 3]; 2], c: usize| [rows[0][c], rows[1][c]];
+        let by_pose = std::array::from_fn(|c| if c < 3 { column(&turned, c) } else { column(&by_point, c - 3) });
+        let by_place = by_point.map(|row| [along(row, 0), along(row, 1)]);
+        let whitening = self.noise.model.whitening_of(kind, &by_place, camera.vergence_of(p_C));
+        let by_heights = match &self.warp {
+            Some(warp) => {
+                let up = by_point.map(|row| along(row, 2));
+                warp.rises_of([p_T[0], p_T[1]]).map(|rise| up.map(|entry| entry * rise))
             }
-        }
-        Some(Derivatives { by_intrinsics: projection.by_intrinsics, by_pose, by_heights, whitening })
+            None => [[N::all(0.0); 2]; Warp::HEIGHTS],
+        };
+        Some(Derivatives { by_intrinsics, by_pose, by_heights, whitening })
     }
 
     /// Information of many views, each from its `X_CT` and of the corners seen, in their order; `None` as for one.
@@ -152,6 +146,53 @@ impl<'a> Measurement<'a> {
             Some(())
         })?;
         InformationSet::from_packed_unchecked(self.order(), table).ok()
+    }
+}
+
+/// Adds the rows of the corners `seen`; `None` if one has no image. Compiled for every set of instructions that [`Arch`] tells apart.
+struct Rows<'a, 'b> {
+    measurement: &'b Measurement<'a>,
+    X_CT: &'b Pose,
+    seen: &'b Corners,
+    corner_count: usize,
+    elimination: &'b mut Elimination,
+}
+
+impl WithSimd for Rows<'_, '_> {
+    type Output = Option<()>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Option<()> {
+        let Self { measurement, X_CT, seen, corner_count, elimination } = self;
+        let (R, t) = (X_CT.rotation.to_rotation_matrix().into_inner(), X_CT.translation.vector);
+        let nuisance = measurement.nuisance();
+        for first in (0..corner_count).step_by(LANES) {
+            let count = LANES.min(corner_count - first);
+            // The last corner in what is left of the lanes.
+            let indices: [usize; LANES] = std::array::from_fn(|lane| {
+                let at = first + lane.min(count - 1);
+                match seen {
+                    Corners::All => at,
+                    Corners::Some(indices) => indices[at],
+                }
+            });
+            let p_T = std::array::from_fn(|axis| Lanes(indices.map(|i| measurement.corners[i][axis])));
+            let kind = Kind::of_all(indices.map(|i| &measurement.features[i]))?;
+            let Derivatives { by_intrinsics, by_pose, by_heights, whitening } =
+                measurement.derivatives_of(p_T, &kind, &R, &t)?;
+            let mut rows = [[Lanes::ZERO; 2]; MOST_COLUMNS];
+            for (row, by_pose) in rows.iter_mut().zip(by_pose) {
+                *row = whitening.whitened(by_pose);
+            }
+            for (row, by_height) in rows[POSE..].iter_mut().zip(&by_heights[..nuisance]) {
+                *row = whitening.whitened(*by_height);
+            }
+            for (row, &parameter) in rows[POSE + nuisance..].iter_mut().zip(measurement.unknowns.estimated) {
+                *row = whitening.whitened(by_intrinsics[parameter]);
+            }
+            elimination.add(&rows, count);
+        }
+        Some(())
     }
 }
 

@@ -3,6 +3,7 @@
 use nalgebra::{Point3, Vector2};
 
 use super::Board;
+use crate::lanes::Number;
 
 /// How far a board may bulge: the model of mrcal, `z(x, y) = w_x (1 − x²/h_x²) + w_y (1 − y²/h_y²)` with the outermost corners
 /// at ±h, whose two heights have a mean of zero and the same standard deviation. It is one board in all views, so that the
@@ -39,7 +40,16 @@ impl Warp {
 
     /// By how much the point at a place on the board (m) rises with each of the heights, m per deviation.
     pub fn rises(&self, place: &Vector2<f64>) -> [f64; Self::HEIGHTS] {
-        std::array::from_fn(|i| self.deviation * (1.0 - (place[i] / self.half[i]).powi(2)))
+        self.rises_of((*place).into())
+    }
+
+    /// The same at one place or at several.
+    #[inline]
+    pub(crate) fn rises_of<N: Number>(&self, place: [N; Self::HEIGHTS]) -> [N; Self::HEIGHTS] {
+        std::array::from_fn(|i| {
+            let share = place[i] / N::all(self.half[i]);
+            (N::all(1.0) - share * share) * self.deviation
+        })
     }
 }
 

@@ -11,7 +11,7 @@ use calipose::problem::Problem;
 use calipose::verification::simulate;
 use serde_json::Value;
 
-use crate::desk::{Desk, text};
+use crate::desk::{Desk, is_ignored_here, signal, text};
 
 /// How long an event may take on a busy machine.
 const PATIENCE: Duration = Duration::from_mins(2);
@@ -195,16 +195,16 @@ fn a_program_ends_the_tour_as_soon_as_the_pictures_reach_the_accuracy() {
 #[test]
 fn a_killed_tour_goes_on_and_an_interrupted_one_too() {
     let (desk, _) = desk();
-    for (turn, signal) in ["KILL", "INT", "TERM"].into_iter().enumerate() {
+    // Where the tests themselves run without SIGINT, as in the background of a script, so does what they start.
+    let interrupt = if is_ignored_here(2) { "TERM" } else { "INT" };
+    for (turn, name) in ["KILL", interrupt, "TERM"].into_iter().enumerate() {
         let mut tour = Tour::begin(&desk, "--watch seen");
         let event = tour.until("pose");
         assert_eq!(event["pose"]["visit"], turn + 1);
         tour.picture(&event, turn as u64);
         assert_eq!(tour.until("pose")["pose"]["visit"], turn + 2);
-        let id = tour.child.id().to_string();
-        assert!(std::process::Command::new("kill").args(["-s", signal, &id]).status().unwrap().success());
+        signal(&tour.child, name);
         let status = tour.child.wait().unwrap();
-        // Where the tests themselves run without SIGINT, as under nohup, so does what they start.
         assert!([None, Some(130), Some(143)].contains(&status.code()), "{status}");
         let state = read(&desk.path("out/follow.json"));
         let pictures = state["visits"].as_array().unwrap().iter().filter(|visit| visit["pictures"][0].is_object());

@@ -3,7 +3,7 @@
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::desk::{Desk, text};
+use crate::desk::{Desk, is_ignored_here, signal, text};
 
 /// Polls until `done`.
 fn wait_for(what: &str, done: impl Fn() -> bool) {
@@ -16,17 +16,6 @@ fn wait_for(what: &str, done: impl Fn() -> bool) {
 
 fn spawn(desk: &Desk, line: &str) -> Child {
     desk.command(line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
-}
-
-fn signal(child: &Child, name: &str) {
-    assert!(Command::new("kill").args(["-s", name, &child.id().to_string()]).status().unwrap().success());
-}
-
-/// Whether this process, and so what it starts, ignores a signal; where the system does not tell, it is taken not to.
-fn is_ignored_here(signal: i32) -> bool {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
-    mask.is_some_and(|mask| u64::from_str_radix(mask.trim(), 16).unwrap() >> (signal - 1) & 1 == 1)
 }
 
 /// A problem that is solved at once.

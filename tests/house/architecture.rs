@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 use crate::reading::{House, files_below, in_circles, is_word, without_comments};
 
 /// The modules; each may use those above it.
-const ORDER: [&str; 22] = [
+const ORDER: [&str; 23] = [
     "figures",
+    "lanes",
     "spatial",
     "selection",
     "camera",
@@ -137,7 +138,7 @@ const ROOMS: [(&str, &[&str]); 53] = [
     ("export::ros", &["yaml", "goals", "joint_trajectory", "moveit_calibration", "robot_calibration"]),
     ("export::languages", &["axes", "urscript", "rapid", "krl", "fanuc_ls"]),
     ("motion::tour", &["costs", "bound", "circuit", "cycle", "exact", "search"]),
-    ("continuum", &["lanes", "taylor", "twist", "quadratic", "image", "frustum", "sight", "score", "cell", "search"]),
+    ("continuum", &["taylor", "twist", "quadratic", "image", "frustum", "sight", "score", "cell", "search"]),
     (
         "calibration",
         &[

@@ -3,10 +3,11 @@
 use std::f64::consts::PI;
 use std::ops::Range;
 
-use nalgebra::{Matrix2x3, SMatrix, Vector2, Vector3};
+use nalgebra::{Vector2, Vector3};
 
 use super::first_zero::first_zero;
-use super::model::{Distorted, Model};
+use super::model::{Distorted, MAX_COEFFICIENTS, Model};
+use crate::lanes::Number;
 
 pub(super) struct KannalaBrandt;
 
@@ -55,33 +56,41 @@ impl Model for KannalaBrandt {
             .then(|| if ρ == 0.0 { Vector2::zeros() } else { p.xy() * (distorted_angle(θ, k) / ρ) })
     }
 
-    fn distort_with_derivatives(&self, p: &Vector3<f64>, k: &[f64], reach: f64) -> Option<Distorted> {
-        let ρ = p.xy().norm();
-        let θ = ρ.atan2(p.z);
-        if θ > reach || (ρ == 0.0 && p.z <= 0.0) {
+    #[inline(always)]
+    fn distort_with_derivatives<N: Number>(&self, p: [N; 3], k: &[f64], reach: f64) -> Option<Distorted<N>> {
+        let [x, y, z] = p;
+        let ρ = (x * x + y * y).sqrt();
+        let θ = ρ.zip(z, f64::atan2);
+        // Straight ahead or back, of which the first alone has an image, ρ and z say more than the angle.
+        let seen = ρ.zip(z, |ρ, z| if ρ > 0.0 || z > 0.0 { 0.0 } else { f64::INFINITY });
+        if !(θ + seen).every(|θ| θ <= reach) {
             return None;
         }
-        let mut by_coefficients = SMatrix::zeros();
-        if ρ < 1e-12 * p.z {
-            // On the axis θ_d/ρ → 1/z.
-            let by_point = Matrix2x3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0) / p.z;
-            return Some(Distorted { point: p.xy() / p.z, by_point, by_coefficients });
-        }
-        let radial = p.xy() / ρ;
+        // On the axis θ_d/ρ → 1/z; with any ρ that is not 0, what there is off it vanishes there.
+        let on_axis = ρ.zip(z, |ρ, z| if ρ < 1e-12 * z { 1.0 / z } else { 0.0 });
+        let ρ = ρ.zip(z, |ρ, z| if ρ < 1e-12 * z { 1.0 } else { ρ });
+        let radial = [x / ρ, y / ρ];
         let θ_d = distorted_angle(θ, k);
         let mut power = θ;
-        for j in 0..4 {
-            power *= θ * θ;
-            by_coefficients.set_column(j, &(radial * power));
+        let mut by_coefficients = [[N::all(0.0); 2]; MAX_COEFFICIENTS];
+        for column in &mut by_coefficients[..4] {
+            power = power * (θ * θ);
+            *column = radial.map(|entry| entry * power);
         }
-        let d2 = p.norm_squared();
         // ∂θ/∂p = (z·radial, −ρ)/|p|²; across the radius the point turns with θ_d/ρ.
-        let by_θ = Vector3::new(p.z * radial.x, p.z * radial.y, -ρ) / d2;
-        let around = Vector2::new(-radial.y, radial.x);
-        let by_xy = around * around.transpose() * (θ_d / ρ);
-        let mut by_point = radial * by_θ.transpose() * slope(θ, k);
-        by_point.fixed_columns_mut::<2>(0).zip_apply(&by_xy, |a, b| *a += b);
-        Some(Distorted { point: radial * θ_d, by_point, by_coefficients })
+        let d2 = x * x + y * y + z * z;
+        let by_θ = [z * radial[0] / d2, z * radial[1] / d2, -ρ / d2];
+        let slope = slope(θ, k);
+        let mut by_point = radial.map(|entry| by_θ.map(|by_θ| entry * by_θ * slope));
+        let (around, turn) = ([-radial[1], radial[0]], θ_d / ρ);
+        for (r, row) in by_point.iter_mut().enumerate() {
+            for (entry, across) in row.iter_mut().zip(around) {
+                *entry = *entry + around[r] * across * turn;
+            }
+            row[r] = row[r] + on_axis;
+        }
+        let point = [radial[0] * θ_d + x * on_axis, radial[1] * θ_d + y * on_axis];
+        Some(Distorted { point, by_point, by_coefficients })
     }
 
     /// By Newton's method.
@@ -101,13 +110,19 @@ impl Model for KannalaBrandt {
 }
 
 /// `θ_d = θ(1 + k1 θ² + k2 θ⁴ + k3 θ⁶ + k4 θ⁸)`.
-fn distorted_angle(θ: f64, k: &[f64]) -> f64 {
-    let t = θ * θ;
-    θ * (1.0 + t * (k[0] + t * (k[1] + t * (k[2] + t * k[3]))))
+#[inline(always)]
+fn distorted_angle<N: Number>(θ: N, k: &[f64]) -> N {
+    θ * even(θ * θ, [1.0, k[0], k[1], k[2], k[3]])
 }
 
 /// `dθ_d/dθ`.
-fn slope(θ: f64, k: &[f64]) -> f64 {
-    let t = θ * θ;
-    1.0 + t * (3.0 * k[0] + t * (5.0 * k[1] + t * (7.0 * k[2] + t * 9.0 * k[3])))
+#[inline(always)]
+fn slope<N: Number>(θ: N, k: &[f64]) -> N {
+    even(θ * θ, [1.0, 3.0 * k[0], 5.0 * k[1], 7.0 * k[2], 9.0 * k[3]])
+}
+
+/// The polynomial of those coefficients.
+#[inline(always)]
+fn even<N: Number>(t: N, [a, b, c, d, e]: [f64; 5]) -> N {
+    N::all(a) + t * (N::all(b) + t * (N::all(c) + t * (N::all(d) + t * e)))
 }

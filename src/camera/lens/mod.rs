@@ -2,6 +2,8 @@
 //!
 //! What is particular to a model stands in its own file; this one has the list of them.
 
+#![allow(clippy::inline_always, reason = "what is dispatched is compiled for the processor only where it is inlined")]
+
 mod brown_conrady;
 mod first_zero;
 mod kannala_brandt;
@@ -16,6 +18,7 @@ use std::ops::Range;
 
 use nalgebra::{Unit, Vector2, Vector3};
 
+use crate::lanes::Number;
 use model::Model;
 
 /// How a lens bends the rays; coefficients in OpenCV's order.
@@ -102,10 +105,15 @@ impl Lens {
         self.model().distort(p, k, reach)
     }
 
-    /// As [`Lens::distort`], with derivatives by `p` and by the coefficients.
-    #[inline]
-    pub(super) fn distort_with_derivatives(self, p: &Vector3<f64>, k: &[f64], reach: f64) -> Option<Distorted> {
-        self.model().distort_with_derivatives(p, k, reach)
+    /// As [`Lens::distort`], with derivatives by `p` and by the coefficients; of several directions none unless all have an image.
+    #[inline(always)]
+    pub(super) fn distort_with_derivatives<N: Number>(self, p: [N; 3], k: &[f64], reach: f64) -> Option<Distorted<N>> {
+        match self {
+            Lens::Pinhole => pinhole::Pinhole.distort_with_derivatives(p, k, reach),
+            Lens::BrownConrady => brown_conrady::BrownConrady.distort_with_derivatives(p, k, reach),
+            Lens::Rational => rational::Rational.distort_with_derivatives(p, k, reach),
+            Lens::KannalaBrandt => kannala_brandt::KannalaBrandt.distort_with_derivatives(p, k, reach),
+        }
     }
 
     /// The direction whose normalised image point is `m`.

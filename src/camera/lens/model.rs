@@ -2,17 +2,20 @@
 
 use std::ops::Range;
 
-use nalgebra::{Matrix2x3, SMatrix, Vector2, Vector3};
+use nalgebra::{Vector2, Vector3};
+
+use crate::lanes::Number;
 
 /// Coefficients of the largest lens model.
 pub(super) const MAX_COEFFICIENTS: usize = 8;
 
-/// A normalised image point with its derivatives.
-pub(in crate::camera) struct Distorted {
-    pub(in crate::camera) point: Vector2<f64>,
-    pub(in crate::camera) by_point: Matrix2x3<f64>,
-    /// As many of the columns as the model has coefficients; the rest are zero.
-    pub(in crate::camera) by_coefficients: SMatrix<f64, 2, MAX_COEFFICIENTS>,
+/// A normalised image point with its derivatives, or several.
+pub(in crate::camera) struct Distorted<N> {
+    pub(in crate::camera) point: [N; 2],
+    /// Two rows.
+    pub(in crate::camera) by_point: [[N; 3]; 2],
+    /// Columns; zero beyond the model's coefficients.
+    pub(in crate::camera) by_coefficients: [[N; 2]; MAX_COEFFICIENTS],
 }
 
 /// A lens model: all that is particular to it. Nothing has a default, so that a new one has to answer every question.
@@ -52,8 +55,10 @@ pub(super) trait Model {
     /// The normalised image point of direction `p` (any length); none behind the lens and beyond its `reach`.
     fn distort(&self, p: &Vector3<f64>, k: &[f64], reach: f64) -> Option<Vector2<f64>>;
 
-    /// As [`Model::distort`], with derivatives by `p` and by the coefficients.
-    fn distort_with_derivatives(&self, p: &Vector3<f64>, k: &[f64], reach: f64) -> Option<Distorted>;
+    /// As [`Model::distort`], with derivatives by `p` and by the coefficients; of several directions none unless all have an image.
+    fn distort_with_derivatives<N: Number>(&self, p: [N; 3], k: &[f64], reach: f64) -> Option<Distorted<N>>
+    where
+        Self: Sized;
 
     /// The direction (any length) whose normalised image point is `m`, if it has one; whether it has is checked by the caller.
     fn direction(&self, m: &Vector2<f64>, k: &[f64], reach: f64) -> Option<Vector3<f64>>;

@@ -2,9 +2,10 @@
 
 use std::ops::Range;
 
-use nalgebra::{Matrix2x3, SMatrix, Vector2, Vector3};
+use nalgebra::{Vector2, Vector3};
 
-use super::model::{Distorted, Model};
+use super::model::{Distorted, MAX_COEFFICIENTS, Model};
+use crate::lanes::Number;
 
 pub(super) struct Pinhole;
 
@@ -50,10 +51,16 @@ impl Model for Pinhole {
         (p.z > 0.0).then(|| p.xy() / p.z)
     }
 
-    fn distort_with_derivatives(&self, p: &Vector3<f64>, _: &[f64], _: f64) -> Option<Distorted> {
-        let point = (p.z > 0.0).then(|| p.xy() / p.z)?;
-        let by_point = Matrix2x3::new(1.0, 0.0, -point.x, 0.0, 1.0, -point.y) / p.z;
-        Some(Distorted { point, by_point, by_coefficients: SMatrix::zeros() })
+    #[inline(always)]
+    fn distort_with_derivatives<N: Number>(&self, p: [N; 3], _: &[f64], _: f64) -> Option<Distorted<N>> {
+        let [x, y, z] = p;
+        if !z.every(|z| z > 0.0) {
+            return None;
+        }
+        let (point, zero) = ([x / z, y / z], N::all(0.0));
+        let along = N::all(1.0) / z;
+        let by_point = [[along, zero, -point[0] / z], [zero, along, -point[1] / z]];
+        Some(Distorted { point, by_point, by_coefficients: [[zero; 2]; MAX_COEFFICIENTS] })
     }
 
     fn direction(&self, m: &Vector2<f64>, _: &[f64], _: f64) -> Option<Vector3<f64>> {

@@ -3,10 +3,11 @@
 //!
 //! `k` are in OpenCV's order, `k1 k2 p1 p2 k3 k4 k5 k6`; zeros where a model has fewer.
 
-use nalgebra::{Matrix2, Matrix2x3, SMatrix, Vector2, Vector3};
+use nalgebra::{Matrix2, Vector2, Vector3};
 
 use super::first_zero::first_zero;
 use super::model::{Distorted, MAX_COEFFICIENTS};
+use crate::lanes::Number;
 
 /// Greatest tangent of the angle to the axis at which a fold is looked for.
 const FARTHEST: f64 = 1e4;
@@ -30,46 +31,46 @@ pub(super) fn fold(reach: f64) -> Option<f64> {
 pub(super) fn distort(p: &Vector3<f64>, k: &[f64], reach: f64) -> Option<Vector2<f64>> {
     let m = (p.z > 0.0).then(|| p.xy() / p.z)?;
     let r2 = m.norm_squared();
-    (r2 <= reach).then(|| m * Radial::at(r2, k).factor + tangential(&m, r2, k))
+    (r2 <= reach).then(|| distorted(m.into(), r2, Radial::at(r2, k).factor, k).into())
 }
 
 /// As [`distort`], with derivatives by `p` and by the first `COUNT` coefficients.
-#[inline]
-pub(super) fn distort_with_derivatives<const COUNT: usize>(
-    p: &Vector3<f64>,
+#[inline(always)]
+pub(super) fn distort_with_derivatives<N: Number, const COUNT: usize>(
+    p: [N; 3],
     k: &[f64],
     reach: f64,
-) -> Option<Distorted> {
-    let m = (p.z > 0.0).then(|| p.xy() / p.z)?;
-    let r2 = m.norm_squared();
-    if r2 > reach {
+) -> Option<Distorted<N>> {
+    let z = p[2];
+    if !z.every(|z| z > 0.0) {
         return None;
     }
-    let (x, y) = (m.x, m.y);
+    let [x, y] = [p[0] / z, p[1] / z];
+    let r2 = x * x + y * y;
+    if !r2.every(|r2| r2 <= reach) {
+        return None;
+    }
     let radial = Radial::at(r2, k);
     let (r4, r6) = (r2 * r2, r2 * r2 * r2);
-    let by_numerator = m / radial.denominator;
-    let by_denominator = -by_numerator * radial.factor;
+    let by_numerator = [x / radial.denominator, y / radial.denominator];
+    let by_denominator = by_numerator.map(|entry| -entry * radial.factor);
+    let times = |column: [N; 2], power: N| column.map(|entry| entry * power);
+    let cross = x * 2.0 * y;
     let columns = [
-        by_numerator * r2,
-        by_numerator * r4,
-        Vector2::new(2.0 * x * y, r2 + 2.0 * y * y),
-        Vector2::new(r2 + 2.0 * x * x, 2.0 * x * y),
-        by_numerator * r6,
-        by_denominator * r2,
-        by_denominator * r4,
-        by_denominator * r6,
+        times(by_numerator, r2),
+        times(by_numerator, r4),
+        [cross, r2 + y * 2.0 * y],
+        [r2 + x * 2.0 * x, cross],
+        times(by_numerator, r6),
+        times(by_denominator, r2),
+        times(by_denominator, r4),
+        times(by_denominator, r6),
     ];
-    let mut by_coefficients = SMatrix::<f64, 2, MAX_COEFFICIENTS>::zeros();
-    for (j, column) in columns.iter().take(COUNT).enumerate() {
-        by_coefficients.set_column(j, column);
-    }
-    let perspective = Matrix2x3::new(1.0, 0.0, -x, 0.0, 1.0, -y) / p.z;
-    Some(Distorted {
-        point: m * radial.factor + tangential(&m, r2, k),
-        by_point: jacobian(&m, &radial, k) * perspective,
-        by_coefficients,
-    })
+    let mut by_coefficients = [[N::all(0.0); 2]; MAX_COEFFICIENTS];
+    by_coefficients[..COUNT].copy_from_slice(&columns[..COUNT]);
+    let (along, across) = (N::all(1.0) / z, [-x / z, -y / z]);
+    let by_point = jacobian([x, y], &radial, k).map(|[a, b]| [a * along, b * along, a * across[0] + b * across[1]]);
+    Some(Distorted { point: distorted([x, y], r2, radial.factor, k), by_point, by_coefficients })
 }
 
 /// By Newton's method.
@@ -83,8 +84,9 @@ pub(super) fn direction(m: &Vector2<f64>, k: &[f64], reach: f64) -> Option<Vecto
             continue;
         }
         let radial = Radial::at(r2, k);
-        let residual = guess * radial.factor + tangential(&guess, r2, k) - m;
-        guess -= jacobian(&guess, &radial, k).try_inverse()? * residual;
+        let residual = Vector2::from(distorted(guess.into(), r2, radial.factor, k)) - m;
+        let [[xx, xy], [yx, yy]] = jacobian(guess.into(), &radial, k);
+        guess -= Matrix2::new(xx, xy, yx, yy).try_inverse()? * residual;
         if residual.norm() <= 1e-14 * (1.0 + m.norm()) {
             break;
         }
@@ -93,39 +95,41 @@ pub(super) fn direction(m: &Vector2<f64>, k: &[f64], reach: f64) -> Option<Vecto
 }
 
 /// `c(r²) = (1 + k1 r² + k2 r⁴ + k3 r⁶) / (1 + k4 r² + k5 r⁴ + k6 r⁶)` and its slope by r².
-struct Radial {
-    factor: f64,
-    slope: f64,
-    denominator: f64,
+struct Radial<N> {
+    factor: N,
+    slope: N,
+    denominator: N,
 }
 
-impl Radial {
-    #[inline]
-    fn at(r2: f64, k: &[f64]) -> Self {
-        let numerator = 1.0 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]));
-        let denominator = 1.0 + r2 * (k[5] + r2 * (k[6] + r2 * k[7]));
+impl<N: Number> Radial<N> {
+    #[inline(always)]
+    fn at(r2: N, k: &[f64]) -> Self {
+        let cubic = |[a, b, c, d]: [f64; 4]| N::all(a) + r2 * (N::all(b) + r2 * (N::all(c) + r2 * d));
+        let square = |[a, b, c]: [f64; 3]| N::all(a) + r2 * (N::all(b) + r2 * c);
+        let numerator = cubic([1.0, k[0], k[1], k[4]]);
+        let denominator = cubic([1.0, k[5], k[6], k[7]]);
         let factor = numerator / denominator;
-        let numerator_slope = k[0] + r2 * (2.0 * k[1] + r2 * 3.0 * k[4]);
-        let denominator_slope = k[5] + r2 * (2.0 * k[6] + r2 * 3.0 * k[7]);
+        let numerator_slope = square([k[0], 2.0 * k[1], 3.0 * k[4]]);
+        let denominator_slope = square([k[5], 2.0 * k[6], 3.0 * k[7]]);
         Self { factor, slope: (numerator_slope - factor * denominator_slope) / denominator, denominator }
     }
 }
 
-#[inline]
-fn tangential(m: &Vector2<f64>, r2: f64, k: &[f64]) -> Vector2<f64> {
-    let (x, y, p1, p2) = (m.x, m.y, k[2], k[3]);
-    Vector2::new(2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x), p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y)
+/// The undistorted point `m` times the radial factor, and shifted.
+#[inline(always)]
+fn distorted<N: Number>([x, y]: [N; 2], r2: N, factor: N, k: &[f64]) -> [N; 2] {
+    let (p1, p2) = (k[2], k[3]);
+    let shift = [x * (2.0 * p1) * y + (r2 + x * 2.0 * x) * p2, (r2 + y * 2.0 * y) * p1 + x * (2.0 * p2) * y];
+    [x * factor + shift[0], y * factor + shift[1]]
 }
 
-/// Derivative of the distorted by the undistorted point.
-#[inline]
-fn jacobian(m: &Vector2<f64>, radial: &Radial, k: &[f64]) -> Matrix2<f64> {
-    let (x, y, p1, p2) = (m.x, m.y, k[2], k[3]);
-    let cross = 2.0 * x * y * radial.slope + 2.0 * (p1 * x + p2 * y);
-    Matrix2::new(
-        radial.factor + 2.0 * x * x * radial.slope + 2.0 * p1 * y + 6.0 * p2 * x,
-        cross,
-        cross,
-        radial.factor + 2.0 * y * y * radial.slope + 6.0 * p1 * y + 2.0 * p2 * x,
-    )
+/// Derivative of the distorted by the undistorted point, two rows.
+#[inline(always)]
+fn jacobian<N: Number>([x, y]: [N; 2], radial: &Radial<N>, k: &[f64]) -> [[N; 2]; 2] {
+    let (p1, p2) = (k[2], k[3]);
+    let cross = x * 2.0 * y * radial.slope + (x * p1 + y * p2) * 2.0;
+    [
+        [radial.factor + x * 2.0 * x * radial.slope + y * (2.0 * p1) + x * (6.0 * p2), cross],
+        [cross, radial.factor + y * 2.0 * y * radial.slope + y * (6.0 * p1) + x * (2.0 * p2)],
+    ]
 }

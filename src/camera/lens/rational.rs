@@ -6,6 +6,7 @@ use nalgebra::{Vector2, Vector3};
 
 use super::model::{Distorted, Model};
 use super::polynomial;
+use crate::lanes::Number;
 
 pub(super) struct Rational;
 
@@ -51,8 +52,9 @@ impl Model for Rational {
         polynomial::distort(p, k, reach)
     }
 
-    fn distort_with_derivatives(&self, p: &Vector3<f64>, k: &[f64], reach: f64) -> Option<Distorted> {
-        polynomial::distort_with_derivatives::<8>(p, k, reach)
+    #[inline(always)]
+    fn distort_with_derivatives<N: Number>(&self, p: [N; 3], k: &[f64], reach: f64) -> Option<Distorted<N>> {
+        polynomial::distort_with_derivatives::<N, 8>(p, k, reach)
     }
 
     fn direction(&self, m: &Vector2<f64>, k: &[f64], reach: f64) -> Option<Vector3<f64>> {
