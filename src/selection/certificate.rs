@@ -2,6 +2,7 @@
 
 use super::error::SelectionError;
 use super::function::Gradient;
+use super::group::Group;
 use super::instance::Instance;
 use super::packed::packed_len;
 
@@ -12,8 +13,8 @@ pub struct Certificate {
     pub y: Vec<f64>,
     /// The mixture λ of a worst variance; empty for other functions.
     pub mixture: Vec<f64>,
-    /// Prices ≥ 0 of the caps that bind, by number: first those given, then the cells of the separations.
-    pub prices: Vec<(usize, f64)>,
+    /// Prices ≥ 0 of the groups that bind.
+    pub prices: Vec<(Group, f64)>,
     /// No selection has a greater log Φ.
     pub log_bound: f64,
 }
@@ -23,14 +24,14 @@ const ROUNDING: f64 = 1e-12;
 
 impl Certificate {
     /// The bound that Y ⪰ 0 and prices u ≥ 0 prove for the instance: with the scores `s_i = ⟨Y, M_i⟩` of **all** candidates,
-    /// less the prices of the caps that i counts in,
+    /// less the prices of the groups that i counts in,
     ///
     /// ```text
-    /// S = ⟨Y, M₀⟩ + the scores of the required + the largest others, k in all + Σ u_c m_c
+    /// S = ⟨Y, M₀⟩ + the scores of the required + the largest others, k in all + Σ u_g m_g
     /// ```
     ///
-    /// and every allowed selection has `Φ(M) ≤ S / Φ°(Y)`. Without prices the caps are left out of the bound, which holds for
-    /// more selections then and so for the allowed ones too; separations enter by the cells that they imply.
+    /// and every allowed selection has `Φ(M) ≤ S / Φ°(Y)`. Groups without prices are left out of the bound, which holds for
+    /// more selections then and so for the allowed ones too; separations enter by the [balls](Group::Ball) that they imply.
     ///
     /// Wherever Y came from, the bound is evaluated here in plain arithmetic; a poor Y only makes it loose.
     ///
@@ -48,40 +49,33 @@ impl Certificate {
     ///
     /// # Errors
     /// When Y is of another length than the terms' packed matrices, or a price is of no group.
-    pub fn new(instance: &Instance, gradient: Gradient, prices: Vec<(usize, f64)>) -> Result<Self, SelectionError> {
+    pub fn new(instance: &Instance, gradient: Gradient, prices: Vec<(Group, f64)>) -> Result<Self, SelectionError> {
         fits(instance, &gradient.y, &prices)?;
-        let scores = instance.scores(&gradient.y);
-        Ok(Self::from_scores(instance, gradient, prices, &scores))
+        let reduced = instance.rules().reduced(&instance.scores(&gradient.y), &prices);
+        Ok(Self::from_reduced(instance, gradient, prices, &reduced))
     }
 
-    /// As [`Certificate::new`] with the scores at hand.
-    pub(super) fn from_scores(
+    /// As [`Certificate::new`] with the scores less the prices at hand.
+    pub(super) fn from_reduced(
         instance: &Instance,
         gradient: Gradient,
-        prices: Vec<(usize, f64)>,
-        scores: &[f64],
+        prices: Vec<(Group, f64)>,
+        reduced: &[f64],
     ) -> Self {
         let rules = instance.rules();
         let dual = instance.dual(&gradient.y);
-        let reduced;
-        let scores = if prices.is_empty() {
-            scores
-        } else {
-            reduced = rules.reduced(scores, &prices);
-            &reduced
-        };
-        let (counted, _) = rules.greatest(scores, instance.count());
+        let (counted, _) = rules.greatest(reduced, instance.count());
         // Rounding of the scores that count: the terms may cancel, and so may the prices.
         let terms = counted.iter().flat_map(|&i| instance.products(&dual, i).map(f64::abs));
-        let paid = prices.iter().map(|&(c, price)| {
-            let times = counted.iter().filter(|&&i| rules.caps_of(i).any(|cap| cap == c)).count();
-            price * (times + rules.caps[c].most) as f64
+        let paid = prices.iter().map(|&(group, price)| {
+            let times = rules.counted(&counted, group).len();
+            price * (times + rules.most(group)) as f64
         });
         let operations = dual.len() + prices.len() + counted.len();
         let rounding = operations as f64 * f64::EPSILON * (terms.sum::<f64>() + paid.sum::<f64>());
         let known: f64 = instance.prior().iter().zip(&dual).map(|(m, y)| m * y).sum();
-        let capped: f64 = prices.iter().map(|&(c, price)| price * rules.caps[c].most as f64).sum();
-        let mut greatest: Vec<f64> = counted.iter().map(|&i| scores[i]).collect();
+        let capped: f64 = prices.iter().map(|&(group, price)| price * rules.most(group) as f64).sum();
+        let mut greatest: Vec<f64> = counted.iter().map(|&i| reduced[i]).collect();
         // Sorted, so that the sum does not depend on how the candidates are numbered.
         greatest.sort_unstable_by(f64::total_cmp);
         let S = rounding + known + capped + greatest.iter().sum::<f64>();
@@ -96,12 +90,11 @@ impl Certificate {
     }
 
     /// The candidates that a selection of log Φ above `log_value` may hold, ascending, each with its score less the prices of
-    /// its caps: the required ones, those whose scores add up to S, and those whose score is not so much less than the last
+    /// its groups: the required ones, those whose scores add up to S, and those whose score is not so much less than the last
     /// of these that the bound, with them forced in, falls to `log_value`.
     pub(crate) fn open_above(&self, instance: &Instance, log_value: f64) -> Vec<(usize, f64)> {
         let rules = instance.rules();
-        let mut reduced = instance.scores(&self.y);
-        rules.reduce(&mut reduced, &self.prices);
+        let reduced = rules.reduced(&instance.scores(&self.y), &self.prices);
         let (counted, least) = rules.greatest(&reduced, instance.count());
         let gradient = Gradient { y: self.y.clone(), mixture: self.mixture.clone() };
         // Not a number where Y bounds nothing, which excludes nothing.
@@ -119,14 +112,13 @@ impl Certificate {
 }
 
 /// Checks that Y and the prices are of the instance's shape.
-fn fits(instance: &Instance, y: &[f64], prices: &[(usize, f64)]) -> Result<(), SelectionError> {
+fn fits(instance: &Instance, y: &[f64], prices: &[(Group, f64)]) -> Result<(), SelectionError> {
     let (expected, found) = (instance.orders().map(packed_len).sum(), y.len());
     if found != expected {
         return Err(SelectionError::Length { what: "matrix Y", expected, found });
     }
-    let groups = instance.caps().len();
-    if let Some(&(group, _)) = prices.iter().find(|(group, _)| *group >= groups) {
-        return Err(SelectionError::NoSuchGroup { group, groups });
+    if let Some(&(group, _)) = prices.iter().find(|&&(group, _)| !instance.rules().has(group, instance.len())) {
+        return Err(SelectionError::NoSuchGroup { group });
     }
     Ok(())
 }

@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use super::InformationError;
+use super::group::Group;
 
 /// Why nothing can be selected.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -75,12 +76,10 @@ pub enum SelectionError {
         found: usize,
     },
     /// A certificate prices a group that does not exist.
-    #[error("group {group} has a price; there are {groups}, counted from 0")]
+    #[error("{group} has a price, but there is no such group")]
     NoSuchGroup {
         /// The group priced.
-        group: usize,
-        /// Number of groups.
-        groups: usize,
+        group: Group,
     },
     /// A constraint names a candidate that does not exist.
     #[error("the constraints name candidate {candidate}; there are {candidates}, counted from 0")]

@@ -1,8 +1,10 @@
 //! The convex relaxation, by column generation, with Clarabel.
 //!
 //! ```text
-//! maximise  log Φ(M₀ + Σ wᵢ Mᵢ)   over   0 ≤ wᵢ ≤ 1,  Σ wᵢ = k,  and Σ wᵢ ≤ m within each capped group
+//! maximise  log Φ(M₀ + Σ wᵢ Mᵢ)   over   0 ≤ wᵢ ≤ 1,  Σ wᵢ = k,  and Σ wᵢ ≤ m within each group
 //! ```
+//!
+//! Groups are the caps, and of the separations balls: cutting planes, which join where the weights hold more than one of a ball.
 //!
 //! Two loops. The outer one keeps a working set of columns: it scores **all** candidates with the gradient Y of log Φ,
 //! evaluates the certificate, and adds the best that are outside. The inner one is Newton's method on
@@ -15,7 +17,7 @@
 //!
 //! which Clarabel solves; a line search on log Φ follows. Compared with one semidefinite program this needs only linear
 //! cones, takes every information function in the same form, is scaled by B at every step, so that units do not matter, and
-//! starts where it left off when columns join. The multipliers of the caps are the certificate's prices.
+//! starts where it left off when columns join. The multipliers of the groups are the certificate's prices.
 //!
 //! A function with kinks is approached through its [softened](crate::selection::InformationFunction::softened) stand-ins, ever less
 //! soft: the central path of an interior-point method. The certificate is always that of the function itself.
@@ -26,6 +28,7 @@ use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, S
 use super::certificate::Certificate;
 use super::error::SelectionError;
 use super::function::Gradient;
+use super::group::Group;
 use super::highest::highest;
 use super::instance::{Instance, InstanceCurvature};
 use super::packed::dot;
@@ -72,6 +75,12 @@ pub struct Relaxation {
 
 /// Most Newton steps in one round; some ten are common, fewer after the first round.
 const MAX_NEWTON_STEPS: usize = 100;
+
+/// By how much weights may exceed a group before it is held against them.
+const EXCESS: f64 = 1e-4;
+
+/// Prices that are no more than this share of the greatest are zero.
+const NO_PRICE: f64 = 1e-10;
 
 /// Weights below this are zero.
 const ZERO_WEIGHT: f64 = 1e-8;
@@ -137,9 +146,10 @@ fn relaxed(
     let mut softness = SOFTNESS;
     let mut master = Master::new(instance.softened(softness), start);
     let total = master.total();
-    let mut scores = instance.scores(&master.instance.gradient_at(&total)?.y);
-    let mut certificate = Certificate::from_scores(instance, master.instance.gradient_at(&total)?, vec![], &scores);
-    let mut log_value = instance.log_value_at(&total);
+    let gradient = master.instance.gradient_at(&total)?;
+    let mut reduced = instance.scores(&gradient.y);
+    let mut certificate = Certificate::from_reduced(instance, gradient, vec![], &reduced);
+    let mut log_value = if master.cut() { f64::NEG_INFINITY } else { instance.log_value_at(&total) };
     let mut best_weights = master.weighted();
     let mut rounds = 0;
     let is_open = |value: f64, bound: f64| floor.is_none_or(|floor| value < floor && bound >= floor);
@@ -149,19 +159,24 @@ fn relaxed(
     {
         rounds += 1;
         master.drop_unused();
-        master.add_columns(&scores, settings.columns_per_round.max(instance.count()));
+        master.add_columns(&reduced, settings.columns_per_round.max(instance.count()));
         let goal = if smooth { 0.5 * tolerance } else { (0.01 * softness).max(0.1 * tolerance) };
         let solved = master.solve(goal, if smooth { floor } else { None });
         let total = master.total();
         // A certificate in hand holds whatever becomes of the weights.
         let Some(gradient) = master.instance.gradient_at(&total) else { break };
-        scores = instance.scores(&gradient.y);
-        let gap = master.gap_over_all(&gradient, &scores);
-        let found = Certificate::from_scores(instance, gradient, master.prices.clone(), &scores);
+        reduced = master.reduced(&instance.scores(&gradient.y));
+        let gap = master.gap_over_all(&gradient, &reduced);
+        let found = Certificate::from_reduced(instance, gradient, master.prices(), &reduced);
         let reached = instance.log_value_at(&total);
         let progress = (reached - log_value).max(certificate.log_bound - found.log_bound);
         if found.log_bound < certificate.log_bound {
             certificate = found;
+        }
+        if master.cut() {
+            // These weights are none any more.
+            log_value = f64::NEG_INFINITY;
+            continue;
         }
         if smooth || reached > log_value {
             log_value = reached;
@@ -199,18 +214,28 @@ struct Master<'a> {
     /// The working set, ascending, without the required candidates.
     columns: Vec<usize>,
     weights: Vec<f64>,
-    /// Prices of the caps that bind.
-    prices: Vec<(usize, f64)>,
+    /// Candidates that stay in the working set: with separations weights on few others may not add up to k.
+    kept: Vec<usize>,
+    groups: Vec<PricedGroup>,
     newton_steps: usize,
 }
 
-/// A cap on the weights of some columns.
-struct CapRow {
-    cap: usize,
-    /// Places in the working set.
-    places: Vec<usize>,
+/// A group that weights are held to.
+struct PricedGroup {
+    group: Group,
+    /// All candidates that count, ascending.
+    members: Vec<usize>,
     /// What the required candidates leave of it.
     most: f64,
+    price: f64,
+}
+
+/// A group that some columns could exceed.
+struct GroupRow {
+    /// Its place among the groups.
+    group: usize,
+    /// Places in the working set.
+    places: Vec<usize>,
 }
 
 impl<'a> Master<'a> {
@@ -220,7 +245,47 @@ impl<'a> Master<'a> {
         let free = instance.count() - instance.required().len();
         let weights = vec![free as f64 / columns.len().max(1) as f64; columns.len()];
         let known = instance.total(instance.required());
-        Self { instance, known, columns, weights, prices: vec![], newton_steps: 0 }
+        let kept = if instance.rules().is_free() { vec![] } else { columns.clone() };
+        let caps = (0..instance.caps().len()).map(Group::Cap).collect();
+        let mut master = Self { instance, known, columns, weights, kept, groups: vec![], newton_steps: 0 };
+        master.hold(caps);
+        master
+    }
+
+    /// Holds weights to more groups.
+    fn hold(&mut self, groups: Vec<Group>) {
+        let rules = self.instance.rules();
+        self.groups.extend(groups.into_iter().map(|group| {
+            let required = rules.counted(&rules.required, group).len();
+            let members = rules.members(group).into_owned();
+            PricedGroup { group, members, most: (rules.most(group) - required) as f64, price: 0.0 }
+        }));
+    }
+
+    /// Holds weights to the balls that they exceed; whether there are any.
+    fn cut(&mut self) -> bool {
+        let mut balls = self.instance.rules().overfull(&self.weighted(), EXCESS);
+        balls.retain(|ball| self.groups.iter().all(|held| held.group != *ball));
+        let is_cut = !balls.is_empty();
+        self.hold(balls);
+        is_cut
+    }
+
+    /// The groups that bind, with their prices.
+    fn prices(&self) -> Vec<(Group, f64)> {
+        let priced = self.groups.iter().filter(|group| group.price > 0.0);
+        priced.map(|&PricedGroup { group, price, .. }| (group, price)).collect()
+    }
+
+    /// Scores of all candidates less the prices of their groups.
+    fn reduced(&self, scores: &[f64]) -> Vec<f64> {
+        let mut reduced = scores.to_vec();
+        for PricedGroup { members, price, .. } in self.groups.iter().filter(|group| group.price > 0.0) {
+            for &i in members {
+                reduced[i] -= price;
+            }
+        }
+        reduced
     }
 
     fn total(&self) -> Vec<f64> {
@@ -246,71 +311,71 @@ impl<'a> Master<'a> {
 
     /// Columns of weight zero leave.
     fn drop_unused(&mut self) {
-        let kept: Vec<usize> = (0..self.columns.len()).filter(|&c| self.weights[c] > ZERO_WEIGHT).collect();
+        let is_kept = |c: &usize| self.weights[*c] > ZERO_WEIGHT || self.kept.binary_search(&self.columns[*c]).is_ok();
+        let kept: Vec<usize> = (0..self.columns.len()).filter(is_kept).collect();
         self.weights = kept.iter().map(|&c| self.weights[c]).collect();
         self.columns = kept.iter().map(|&c| self.columns[c]).collect();
     }
 
-    /// The best `most` of the candidates outside join.
-    fn add_columns(&mut self, scores: &[f64], most: usize) {
-        let reduced = self.instance.rules().reduced(scores, &self.prices);
-        let mut outside: Vec<bool> = (0..scores.len()).map(|i| self.instance.is_open(i)).collect();
+    /// The best `most` of the candidates outside join, by their scores less the prices.
+    fn add_columns(&mut self, reduced: &[f64], most: usize) {
+        let mut outside: Vec<bool> = (0..reduced.len()).map(|i| self.instance.is_open(i)).collect();
         for &i in &self.columns {
             outside[i] = false;
         }
         let weights = self.weights.iter().copied().chain(std::iter::repeat(0.0));
-        let joining = highest(&reduced, (0..scores.len()).filter(|&i| outside[i]), most);
+        let joining = highest(reduced, (0..reduced.len()).filter(|&i| outside[i]), most);
         let mut weighted: Vec<(usize, f64)> = self.columns.iter().copied().chain(joining).zip(weights).collect();
         weighted.sort_unstable_by_key(|&(i, _)| i);
         (self.columns, self.weights) = weighted.into_iter().unzip();
     }
 
-    /// The caps that the working set could exceed.
-    fn cap_rows(&self) -> Vec<CapRow> {
-        let rules = self.instance.rules();
-        let mut rows: std::collections::BTreeMap<usize, Vec<usize>> = std::collections::BTreeMap::new();
-        for (place, &i) in self.columns.iter().enumerate() {
-            for c in rules.caps_of(i) {
-                rows.entry(c).or_default().push(place);
-            }
-        }
-        let row = |(cap, places): (usize, Vec<usize>)| {
-            let required = rules.required.iter().filter(|&&i| rules.caps_of(i).any(|c| c == cap)).count();
-            CapRow { cap, places, most: (rules.caps[cap].most - required) as f64 }
+    /// The groups that the working set could exceed.
+    fn rows(&self) -> Vec<GroupRow> {
+        let row = |(group, held): (usize, &PricedGroup)| {
+            let counts = |place: &usize| held.members.binary_search(&self.columns[*place]).is_ok();
+            let places: Vec<usize> = (0..self.columns.len()).filter(counts).collect();
+            (places.len() as f64 > held.most).then_some(GroupRow { group, places })
         };
-        rows.into_iter().map(row).filter(|row| row.places.len() as f64 > row.most).collect()
+        self.groups.iter().enumerate().filter_map(row).collect()
+    }
+
+    /// Whether the weights are within the groups.
+    fn is_within(&self, rows: &[GroupRow]) -> bool {
+        let held = |row: &GroupRow| row.places.iter().map(|&place| self.weights[place]).sum::<f64>();
+        rows.iter().all(|row| held(row) <= self.groups[row.group].most + EXCESS)
     }
 
     /// How much more any weights promise, to first order: `max ⟨g, w'⟩ − ⟨g, w⟩` over the working set at the current prices.
-    fn gap(&self, gradient: &[f64], rows: &[CapRow]) -> f64 {
+    fn gap(&self, gradient: &[f64], rows: &[GroupRow]) -> f64 {
         let mut reduced = gradient.to_vec();
-        let mut capped = 0.0;
+        let mut held = 0.0;
         for row in rows {
-            let price = self.prices.iter().find(|&&(cap, _)| cap == row.cap).map_or(0.0, |&(_, price)| price);
-            capped += price * row.most;
+            let PricedGroup { price, most, .. } = self.groups[row.group];
+            held += price * most;
             for &place in &row.places {
                 reduced[place] -= price;
             }
         }
         let free = self.instance.count() - self.instance.required().len();
-        capped + greatest(&reduced, free).iter().map(|&c| reduced[c]).sum::<f64>() - dot(gradient, &self.weights)
+        held + greatest(&reduced, free).iter().map(|&c| reduced[c]).sum::<f64>() - dot(gradient, &self.weights)
     }
 
-    /// The same over all candidates, which tells whether columns are missing.
-    fn gap_over_all(&self, gradient: &Gradient, scores: &[f64]) -> f64 {
+    /// The same over all candidates, by their scores less the prices, which tells whether columns are missing.
+    fn gap_over_all(&self, gradient: &Gradient, reduced: &[f64]) -> f64 {
         let rules = self.instance.rules();
-        let reduced = rules.reduced(scores, &self.prices);
-        let (greatest, _) = rules.greatest(&reduced, self.instance.count());
-        let capped: f64 = self.prices.iter().map(|&(c, price)| price * rules.caps[c].most as f64).sum();
+        let (greatest, _) = rules.greatest(reduced, self.instance.count());
+        let held: f64 = self.groups.iter().map(|held| held.price * rules.most(held.group) as f64).sum();
         let own = self.instance.scores_of(&gradient.y, &self.columns);
-        let required: f64 = self.instance.required().iter().map(|&i| scores[i]).sum();
-        capped + greatest.iter().map(|&i| reduced[i]).sum::<f64>() - dot(&own, &self.weights) - required
+        let required: f64 = self.instance.scores_of(&gradient.y, self.instance.required()).iter().sum();
+        held + greatest.iter().map(|&i| reduced[i]).sum::<f64>() - dot(&own, &self.weights) - required
     }
 
     /// Newton's method until no weights on the working set promise more than `tolerance`, to first order, or log Φ is at least
     /// `enough`; whether it got there.
     fn solve(&mut self, tolerance: f64, enough: Option<f64>) -> bool {
-        let rows = self.cap_rows();
+        let rows = self.rows();
+        let mut is_within = self.is_within(&rows);
         let mut least_gap = f64::INFINITY;
         for _ in 0..MAX_NEWTON_STEPS {
             let total = self.total();
@@ -319,9 +384,9 @@ impl<'a> Master<'a> {
                 return false;
             };
             let gradient = self.instance.scores_of(&y.y, &self.columns);
-            let gap = self.gap(&gradient, &rows);
+            let gap = if is_within { self.gap(&gradient, &rows) } else { f64::INFINITY };
             let before = self.instance.log_value_at(&total);
-            if gap <= tolerance || enough.is_some_and(|enough| before >= enough) {
+            if is_within && (gap <= tolerance || enough.is_some_and(|enough| before >= enough)) {
                 return true;
             }
             // Close to the optimum rounding hides the gain in log Φ; there the gap must fall instead.
@@ -341,32 +406,40 @@ impl<'a> Master<'a> {
                 let gain = self.instance.log_value_at(&self.total_at(&moved(length))) - before;
                 gain >= 0.1 * length * slope
             };
-            let Some(length) = (0..20).map(|halvings| 0.5f64.powi(halvings)).find(|&length| hidden || gains(length))
+            // Into the groups leads the whole step alone, whatever it costs.
+            let whole = hidden || !is_within;
+            let Some(length) = (0..20).map(|halvings| 0.5f64.powi(halvings)).find(|&length| whole || gains(length))
             else {
                 return false;
             };
             self.weights = moved(length);
+            is_within = true;
         }
         false
     }
 
     /// The minimiser of the quadratic model over the working set's weights; sets the prices to its multipliers.
-    fn newton_target(&mut self, gradient: &[f64], curvature: &InstanceCurvature, rows: &[CapRow]) -> Option<Vec<f64>> {
+    fn newton_target(
+        &mut self,
+        gradient: &[f64],
+        curvature: &InstanceCurvature,
+        rows: &[GroupRow],
+    ) -> Option<Vec<f64>> {
         let n = self.columns.len();
         let B: Vec<Vec<f64>> = self.columns.iter().map(|&i| self.instance.curve(curvature, i)).collect();
         let m = B[0].len();
 
-        // Unknowns (w, y). Rows: B w − y = B w₀ (m), Σ w = k (1), w ≤ 1 (n), −w ≤ 0 (n), caps.
+        // Unknowns (w, y). Rows: B w − y = B w₀ (m), Σ w = k (1), w ≤ 1 (n), −w ≤ 0 (n), groups.
         let mut Bw = vec![0.0; m];
         for (column, &weight) in B.iter().zip(&self.weights) {
             for (sum, b) in Bw.iter_mut().zip(column) {
                 *sum += weight * b;
             }
         }
-        let mut caps_at = vec![vec![]; n];
+        let mut groups_at = vec![vec![]; n];
         for (r, row) in rows.iter().enumerate() {
             for &place in &row.places {
-                caps_at[place].push(m + 1 + 2 * n + r);
+                groups_at[place].push(m + 1 + 2 * n + r);
             }
         }
         let mut column_starts = vec![0];
@@ -376,8 +449,8 @@ impl<'a> Master<'a> {
             entries.extend(column);
             places.extend([m, m + 1 + c, m + 1 + n + c]);
             entries.extend([1.0, 1.0, -1.0]);
-            places.extend(&caps_at[c]);
-            entries.extend(std::iter::repeat_n(1.0, caps_at[c].len()));
+            places.extend(&groups_at[c]);
+            entries.extend(std::iter::repeat_n(1.0, groups_at[c].len()));
             column_starts.push(places.len());
         }
         for r in 0..m {
@@ -390,7 +463,7 @@ impl<'a> Master<'a> {
         b.push((self.instance.count() - self.instance.required().len()) as f64);
         b.extend(std::iter::repeat_n(1.0, n));
         b.extend(std::iter::repeat_n(0.0, n));
-        b.extend(rows.iter().map(|row| row.most));
+        b.extend(rows.iter().map(|row| self.groups[row.group].most));
         let P = CscMatrix::new(
             n + m,
             n + m,
@@ -413,8 +486,13 @@ impl<'a> Master<'a> {
             // At this tolerance the solver often stops short of it, at a point good enough for the line search.
             SolverStatus::Solved | SolverStatus::AlmostSolved | SolverStatus::InsufficientProgress => {
                 let multipliers = &solver.solution.z[m + 1 + 2 * n..];
-                let priced = rows.iter().zip(multipliers).filter(|&(_, &price)| price > 0.0);
-                self.prices = priced.map(|(row, &price)| (row.cap, price)).collect();
+                for group in &mut self.groups {
+                    group.price = 0.0;
+                }
+                let greatest = multipliers.iter().copied().fold(0.0, f64::max);
+                for (row, &price) in rows.iter().zip(multipliers).filter(|&(_, &price)| price > NO_PRICE * greatest) {
+                    self.groups[row.group].price = price;
+                }
                 Some(solver.solution.x[..n].iter().map(|w| w.clamp(0.0, 1.0)).collect())
             }
             _ => None,

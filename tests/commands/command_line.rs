@@ -58,7 +58,7 @@ fn plan_says_and_writes_what_it_found() {
         assert!(keys(&plan).contains(&key), "{key}");
     }
     assert_eq!(plan["format"], "calipose.plan");
-    assert_eq!(plan["version"], 4);
+    assert_eq!(plan["version"], 5);
     assert_eq!(keys(&plan["problem"]), ["name", "sha256"]);
     assert_eq!(keys(&plan["survey"]), ["swept", "axis_inside", "axis_edge", "views", "rejected"]);
     assert_eq!(keys(&plan["intrinsics"]), ["names", "nominal", "sigma"]);
@@ -468,9 +468,9 @@ fn verify_refuses_what_is_no_plan_of_the_problem() {
     let plan = std::fs::read_to_string(desk.path("out/plan.json")).unwrap();
     std::fs::write(desk.path("out/plan.json"), &plan[..plan.len() / 2]).unwrap();
     assert!(desk.complaint("verify out/plan.json --problem coarse.toml", 3).contains("not a plan"));
-    std::fs::write(desk.path("out/plan.json"), plan.replace("\"version\": 4", "\"version\": 9")).unwrap();
+    std::fs::write(desk.path("out/plan.json"), plan.replace("\"version\": 5", "\"version\": 9")).unwrap();
     assert!(desk.complaint("verify out/plan.json --problem coarse.toml", 3).contains("version 9"));
-    std::fs::write(desk.path("out/plan.json"), plan.replace("\"version\": 4", "\"version\": 3")).unwrap();
+    std::fs::write(desk.path("out/plan.json"), plan.replace("\"version\": 5", "\"version\": 3")).unwrap();
     let older = desk.complaint("verify out/plan.json --problem coarse.toml", 3);
     assert!(older.contains("version 3, made by an older calipose") && older.contains("make a new plan"), "{older}");
 }

@@ -38,6 +38,7 @@ const ROOMS: [(&str, &[&str]); 53] = [
         "selection",
         &[
             "matrices",
+            "group",
             "error",
             "highest",
             "function",

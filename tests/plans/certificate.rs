@@ -5,12 +5,12 @@
 
 use std::ops::ControlFlow;
 
+use calipose::selection::InformationError;
 use calipose::selection::{
-    Best, Cap, Certificate, Constraints, Gradient, InformationFunction, Instance, NotEnough, RelaxationSettings,
-    SearchEnd, SelectionError, Separation, Term, best, exchange, fewest, greedy, improved_greedy, relax, search,
-    spares, start_of_search, without_each,
+    Best, Cap, Certificate, Constraints, Gradient, Group, InformationFunction, InformationSet, Instance, NotEnough,
+    RelaxationSettings, SearchEnd, SelectionError, Separation, Term, best, exchange, fewest, greedy, improved_greedy,
+    relax, search, spares, start_of_search, without_each,
 };
-use calipose::selection::{InformationError, InformationSet};
 use nalgebra::DMatrix;
 use rand::{Rng, SeedableRng};
 use rand_distr::StandardNormal;
@@ -575,6 +575,26 @@ fn no_fewer_reach_the_level_under_constraints() {
     assert!(exact > 100 && never > 10, "{exact} {never}");
 }
 
+/// Of candidates that are all close to one of them the bound counts one, wherever on their line they are.
+#[test]
+fn the_bound_counts_one_of_those_too_close_to_each_other() {
+    for offset in [0.0, 0.3, 0.77] {
+        let places: Vec<[f64; 1]> = (0..30).map(|i| [offset + 0.2 * f64::from(i)]).collect();
+        // Those from 2.0 to 2.8 know ten times as much as the others.
+        let known = |i: usize| if (10..15).contains(&i) { 10.0 } else { 1.0 };
+        let matrices: Vec<_> = (0..30).map(|i| DMatrix::from_element(1, 1, known(i))).collect();
+        let candidates = InformationSet::from_matrices(1, &matrices).unwrap();
+        let term =
+            Term { candidates: &candidates, prior: None, function: &InformationFunction::Determinant, share: 1.0 };
+        let constraints = Constraints { separations: vec![Separation::of(&places, 1.0)], ..Default::default() };
+        let instance = Instance::constrained(&[term], 3, constraints).unwrap();
+        let Best { selected, log_value, relaxation } = best(&instance, &RelaxationSettings::default(), 0).unwrap();
+        assert!((log_value.exp() - 12.0).abs() < 1e-9, "{selected:?}");
+        assert!((relaxation.certificate.log_bound.exp() - 12.0).abs() < 1e-6);
+        assert!(relaxation.solved && !relaxation.certificate.prices.is_empty());
+    }
+}
+
 /// A bound does not depend on where Y, the mixture and the prices came from: near the optimum's, far from it, or of deficient
 /// rank.
 #[test]
@@ -587,7 +607,14 @@ fn any_semidefinite_matrix_proves_a_bound() {
         for rank in 1..=8 {
             let y = instance.orders().map(|p| semidefinite(&mut rng, p, rank)).collect::<Vec<_>>();
             let mixture = (0..3).map(|_| rng.gen_range(0.0..1.0)).collect();
-            let prices = if case.constraints.caps.is_empty() { vec![] } else { vec![(0, rng.gen_range(0.0..0.5))] };
+            let mut prices = vec![];
+            if !case.constraints.caps.is_empty() {
+                prices.push((Group::Cap(0), rng.gen_range(0.0..0.5)));
+            }
+            for separation in 0..case.constraints.separations.len() {
+                let between = [0; 2].map(|_| rng.gen_range(0..instance.len()));
+                prices.push((Group::Ball { separation, between }, rng.gen_range(0.0..0.5)));
+            }
             let bound = Certificate::new(&instance, Gradient::new(&y, mixture), prices).unwrap().log_bound;
             assert!(bound >= optimum, "seed {seed}, rank {rank}: {bound} < {optimum}");
         }
@@ -691,7 +718,9 @@ fn a_candidate_named_twice_in_a_group_counts_once() {
     let bound = |members: &[usize]| {
         let caps = vec![Cap { members: members.to_vec(), most: 1 }];
         let instance = Instance::constrained(&[term], 3, Constraints { caps, ..Default::default() }).unwrap();
-        Certificate::new(&instance, Gradient { y: vec![1.0], mixture: vec![] }, vec![(0, 0.25)]).unwrap().log_bound
+        Certificate::new(&instance, Gradient { y: vec![1.0], mixture: vec![] }, vec![(Group::Cap(0), 0.25)])
+            .unwrap()
+            .log_bound
     };
     // 1 + 2 (1 − ¼) + ¼
     assert!((bound(&[1, 0]) - 2.75f64.ln()).abs() < 1e-9);
@@ -740,9 +769,6 @@ fn constraints_that_contradict_themselves_are_refused() {
     ] {
         assert_eq!(greedy(&instance(selected.len(), allowed).unwrap()).unwrap(), selected);
     }
-
-    let anywhere = Constraints { separations: apart(0.0, &[5.0; 4]), ..Default::default() };
-    assert_eq!(instance(4, anywhere).unwrap().caps(), []);
 
     // And a little more.
     let refused = |count, constraints| instance(count, constraints).unwrap_err();
@@ -892,6 +918,8 @@ fn what_is_no_selection_and_no_certificate_is_refused() {
     let certificate = |y: Vec<f64>, prices| Certificate::new(&instance, Gradient { y, mixture: vec![] }, prices);
     let long = SelectionError::Length { what: "matrix Y", expected: 1, found: 2 };
     assert_eq!(certificate(vec![1.0, 1.0], vec![]).unwrap_err(), long);
-    let priced = SelectionError::NoSuchGroup { group: 0, groups: 0 };
-    assert_eq!(certificate(vec![1.0], vec![(0, 1.0)]).unwrap_err(), priced);
+    for group in [Group::Cap(0), Group::Ball { separation: 0, between: [0, 0] }] {
+        let priced = SelectionError::NoSuchGroup { group };
+        assert_eq!(certificate(vec![1.0], vec![(group, 1.0)]).unwrap_err(), priced);
+    }
 }

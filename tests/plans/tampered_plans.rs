@@ -82,15 +82,20 @@ struct Change {
     changed: Value,
 }
 
-/// Every number, text and truth value changed; neighbours in every list swapped, its last entry left out; every key left out.
+/// Every number, text and truth value changed; neighbours in every list swapped, its last entry left out; every key left out. Of lists the
+/// first two entries and the last stand for all.
 fn changes(plan: &Value) -> Vec<Change> {
+    fn stands_for_others(i: usize, len: usize) -> bool {
+        i < 2 || i + 1 == len
+    }
     fn pointers(value: &Value, pointer: String, found: &mut Vec<String>) {
         match value {
             Value::Object(fields) => {
                 fields.iter().for_each(|(key, value)| pointers(value, format!("{pointer}/{key}"), found));
             }
             Value::Array(entries) => {
-                entries.iter().enumerate().for_each(|(i, value)| pointers(value, format!("{pointer}/{i}"), found));
+                let entries = entries.iter().enumerate().filter(|(i, _)| stands_for_others(*i, entries.len()));
+                entries.for_each(|(i, value)| pointers(value, format!("{pointer}/{i}"), found));
             }
             _ => {}
         }
@@ -133,7 +138,7 @@ fn changes(plan: &Value) -> Vec<Change> {
             Value::Null => change("filled", &|value| *value = json!([0.1, 0.2, 0.3])),
             Value::Array(entries) => {
                 for (i, pair) in entries.windows(2).enumerate() {
-                    if pair[0] != pair[1] {
+                    if pair[0] != pair[1] && stands_for_others(i, entries.len() - 1) {
                         change(&format!("with {i} and its neighbour swapped"), &|value| {
                             value.as_array_mut().unwrap().swap(i, i + 1);
                         });
@@ -190,10 +195,13 @@ fn every_change_of_a_plan_under_constraints_is_noticed() {
     let groups = "\n[constraints]\njoint_separation_deg = 40\n[[constraints.groups]]\nname = \"left\"\n\
                   joints = { waist = [0, 200] }\nmost = 2\n";
     let planned = Planned::new(problem("servosila-engineer", &[COARSE, criterion], groups));
-    every_change_is_noticed(&planned, &["/certificate/grid/prices/0/price", "/certificate/grid/terms/1/share"]);
+    every_change_is_noticed(
+        &planned,
+        &["/certificate/grid/balls/0/price", "/certificate/grid/balls/0/between/0", "/certificate/grid/terms/1/share"],
+    );
     // One that is negative would lower the bound of sets that leave room in the group.
     let mut negative = planned.plan.clone();
-    negative.certificate.grid.prices[0].price *= -1.0;
+    negative.certificate.grid.balls[0].price *= -1.0;
     assert!(matches!(planned.certify(&negative), Err(CertifyError::Prices)));
 }
 

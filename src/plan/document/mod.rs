@@ -35,11 +35,11 @@ pub use header::{Document, Header, ProblemReference};
 pub use kind::Kind;
 pub(crate) use plan::poses_csv;
 pub use plan::{
-    AccuracyDocument, CertificateDocument, CertificateTerm, Certificates, CollisionDocument, ContinuumDocument,
-    FewestDocument, GaveWayDocument, GridPlan, Intrinsics, MoveDocument, PROVEN, Plan, PlanReadError, PlannedPose,
-    PlannedPoses, PolishedPlan, Pose, Price, RobustnessDocument, Run, RunProblem, RunSeconds, ScenarioDocument,
-    SearchDocument, SeenView, SurveyCounts, TourDocument, TradeDocument, TrialDocument, UnweightedAccuracy, WorstLoss,
-    joints_deg,
+    AccuracyDocument, BallPrice, CertificateDocument, CertificateTerm, Certificates, CollisionDocument,
+    ContinuumDocument, FewestDocument, GaveWayDocument, GridPlan, Intrinsics, MoveDocument, PROVEN, Plan,
+    PlanReadError, PlannedPose, PlannedPoses, PolishedPlan, Pose, Price, RobustnessDocument, Run, RunProblem,
+    RunSeconds, ScenarioDocument, SearchDocument, SeenView, SurveyCounts, TourDocument, TradeDocument, TrialDocument,
+    UnweightedAccuracy, WorstLoss, joints_deg,
 };
 pub use problem::{
     BoardDescription, BoardDocument, CameraSights, CheckDocument, ClosePair, DiagnosisDocument, InitDocument,

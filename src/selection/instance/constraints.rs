@@ -1,10 +1,12 @@
 //! Which selections are allowed.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
 use crate::selection::error::SelectionError;
+use crate::selection::group::Group;
 use crate::selection::highest::highest;
 
 /// What a selection must satisfy besides its size. The default allows everything.
@@ -66,34 +68,14 @@ impl Separation {
     }
 
     fn distance(&self, i: usize, j: usize) -> f64 {
-        self.point(i).iter().zip(self.point(j)).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+        distance(self.point(i), self.point(j))
     }
 
-    /// Cells of a grid so fine that any two points of one cell conflict: groups of which a selection holds at most one.
-    /// They say less than the separation, but linearly, so that the relaxation can hold them.
-    fn cells(&self, candidates: usize) -> Vec<Cap> {
-        // A little finer than exact, so that rounding never joins two points that do not conflict.
-        let side = self.least / (self.dimension as f64).sqrt() * (1.0 - 1e-9);
-        let places = |i: usize| self.point(i).iter().map(|x| (x / side).floor() as i64);
-        // Most points have a cell to themselves, which a hash of its place tells.
-        let hash = |i: usize| places(i).fold(0, |hash: u64, x| (hash.rotate_left(5) ^ x as u64).wrapping_mul(HASH));
-        let mut hashed: Vec<(u64, usize)> = (0..candidates).into_par_iter().map(|i| (hash(i), i)).collect();
-        hashed.par_sort_unstable();
-        let alike: Vec<&[(u64, usize)]> = hashed.chunk_by(|a, b| a.0 == b.0).filter(|alike| alike.len() > 1).collect();
-        let of_alike = |alike: &[(u64, usize)]| -> Vec<(Vec<i64>, Vec<usize>)> {
-            let mut cells: Vec<(Vec<i64>, Vec<usize>)> = vec![];
-            for &(_, i) in alike {
-                match cells.iter_mut().find(|(cell, _)| places(i).eq(cell.iter().copied())) {
-                    Some((_, members)) => members.push(i),
-                    None => cells.push((places(i).collect(), vec![i])),
-                }
-            }
-            cells
-        };
-        let mut cells: Vec<_> = alike.into_par_iter().flat_map_iter(of_alike).collect();
-        cells.retain(|(_, members)| members.len() > 1);
-        cells.par_sort_unstable();
-        cells.into_iter().map(|(_, members)| Cap { members, most: 1 }).collect()
+    /// The ball midway between two candidates.
+    fn ball(&self, [a, b]: [usize; 2]) -> Ball {
+        let centre = self.point(a).iter().zip(self.point(b)).map(|(a, b)| 0.5 * (a + b)).collect();
+        // A little smaller than exact, so that rounding never joins two points that do not conflict.
+        Ball { centre, radius: 0.5 * self.least * (1.0 - 1e-9) }
     }
 
     /// The separation of some candidates alone.
@@ -103,8 +85,23 @@ impl Separation {
     }
 }
 
-/// Multiplier of a hash: an odd number whose bits are spread, from the golden ratio.
-const HASH: u64 = 0x9e37_79b9_7f4a_7c15;
+/// Points nearer than a radius to a centre.
+struct Ball {
+    centre: Vec<f64>,
+    radius: f64,
+}
+
+impl Ball {
+    fn contains(&self, point: &[f64]) -> bool {
+        let apart = |limit: f64| self.centre.first().zip(point.first()).is_some_and(|(a, b)| (a - b).abs() >= limit);
+        // Most are far away in the first coordinate already.
+        !apart(self.radius) && distance(&self.centre, point) < self.radius
+    }
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+}
 
 /// Lists of numbers, one after the other.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -153,10 +150,8 @@ pub(crate) struct Rules {
     pub(crate) required: Vec<usize>,
     /// Whether a candidate may be chosen; not if it is required or forbidden. Empty if all may.
     open: Vec<bool>,
-    /// The caps given, then the cells of the separations.
+    /// The caps given.
     pub(crate) caps: Vec<Cap>,
-    /// Number of caps given.
-    given: usize,
     /// Numbers of the caps that each candidate counts in.
     caps_of: Lists,
     separations: Vec<Separation>,
@@ -204,9 +199,6 @@ impl Rules {
                 }
             }
         }
-        let separations: Vec<_> = separations.into_iter().filter(|separation| separation.least > 0.0).collect();
-        let given = caps.len();
-        caps.extend(separations.iter().flat_map(|separation| separation.cells(candidates)));
         let mut open = vec![];
         if !(required.is_empty() && forbidden.is_empty()) {
             open = vec![true; candidates];
@@ -215,7 +207,7 @@ impl Rules {
             }
         }
         let caps_of = Lists::of_caps(&caps, candidates);
-        Ok(Self { required, open, caps, given, caps_of, separations })
+        Ok(Self { required, open, caps, caps_of, separations })
     }
 
     /// Checks that `count` of so many candidates may be selected, caps and separations aside.
@@ -242,7 +234,6 @@ impl Rules {
             open: if open.is_empty() { vec![] } else { members.iter().map(|&i| open[i]).collect() },
             caps_of: Lists::of_caps(&caps, members.len()),
             caps,
-            given: self.given,
             separations: self.separations.iter().map(|separation| separation.of_part(members)).collect(),
         }
     }
@@ -262,14 +253,79 @@ impl Rules {
         self.caps.is_empty() && self.separations.is_empty()
     }
 
+    /// Whether there is such a group among so many candidates.
+    pub(crate) fn has(&self, group: Group, candidates: usize) -> bool {
+        match group {
+            Group::Cap(c) => c < self.caps.len(),
+            Group::Ball { separation, between } => {
+                separation < self.separations.len() && between.iter().all(|&i| i < candidates)
+            }
+        }
+    }
+
+    /// Those of some candidates that count in a group.
+    pub(crate) fn counted(&self, candidates: &[usize], group: Group) -> Vec<usize> {
+        match group {
+            Group::Cap(c) => candidates.iter().copied().filter(|&i| self.caps_of(i).any(|cap| cap == c)).collect(),
+            Group::Ball { separation, between } => {
+                let separation = &self.separations[separation];
+                let ball = separation.ball(between);
+                candidates.iter().copied().filter(|&i| ball.contains(separation.point(i))).collect()
+            }
+        }
+    }
+
+    /// The candidates that count in a group, ascending.
+    pub(crate) fn members(&self, group: Group) -> Cow<'_, [usize]> {
+        match group {
+            Group::Cap(c) => Cow::Borrowed(&self.caps[c].members),
+            Group::Ball { separation, between } => {
+                let separation = &self.separations[separation];
+                let ball = separation.ball(between);
+                let points = separation.points.par_chunks_exact(separation.dimension).enumerate().with_min_len(4096);
+                Cow::Owned(points.filter(|(_, point)| ball.contains(point)).map(|(i, _)| i).collect())
+            }
+        }
+    }
+
+    /// How many of a group a selection may hold.
+    pub(crate) fn most(&self, group: Group) -> usize {
+        match group {
+            Group::Cap(c) => self.caps[c].most,
+            Group::Ball { .. } => 1,
+        }
+    }
+
+    /// Balls of which weights hold more than one by more than `excess`, the fullest first, and of those that hold all the same weights the
+    /// first alone.
+    pub(crate) fn overfull(&self, weights: &[(usize, f64)], excess: f64) -> Vec<Group> {
+        let mut balls = vec![];
+        for (number, separation) in self.separations.iter().enumerate() {
+            let pairs =
+                weights.iter().enumerate().flat_map(|(c, &(i, _))| weights[c..].iter().map(move |&(j, _)| [i, j]));
+            let held = |between: [usize; 2]| {
+                let ball = separation.ball(between);
+                let inside = weights.iter().filter(|&&(i, _)| ball.contains(separation.point(i)));
+                let (inside, weights): (Vec<usize>, Vec<f64>) = inside.copied().unzip();
+                (weights.iter().sum::<f64>(), inside, between)
+            };
+            let held = pairs.filter(|&[i, j]| i == j || separation.conflict(i, j)).map(held);
+            let mut overfull: Vec<_> = held.filter(|&(sum, ..)| sum > 1.0 + excess).collect();
+            overfull.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.2.cmp(&b.2)));
+            let mut seen: Vec<Vec<usize>> = vec![];
+            for (_, inside, between) in overfull {
+                if !seen.iter().any(|other| inside.iter().all(|i| other.contains(i))) {
+                    seen.push(inside);
+                    balls.push(Group::Ball { separation: number, between });
+                }
+            }
+        }
+        balls
+    }
+
     /// Numbers of the caps that candidate `i` counts in.
     pub(crate) fn caps_of(&self, i: usize) -> impl Iterator<Item = usize> {
         self.caps_of.get(i).iter().map(|&c| c as usize)
-    }
-
-    /// The caps given.
-    pub(crate) fn groups(&self) -> &[Cap] {
-        &self.caps[..self.given]
     }
 
     /// Whether two candidates are too close to each other.
@@ -285,20 +341,15 @@ impl Rules {
         self.caps_of(i).all(fits) && others().all(|&j| !self.conflict(i, j))
     }
 
-    /// Scores less the prices of the caps that each candidate counts in.
-    pub(crate) fn reduced(&self, scores: &[f64], prices: &[(usize, f64)]) -> Vec<f64> {
+    /// Scores less the prices of the groups that each candidate counts in.
+    pub(crate) fn reduced(&self, scores: &[f64], prices: &[(Group, f64)]) -> Vec<f64> {
         let mut reduced = scores.to_vec();
-        self.reduce(&mut reduced, prices);
-        reduced
-    }
-
-    /// As [`Rules::reduced`], in place.
-    pub(crate) fn reduce(&self, scores: &mut [f64], prices: &[(usize, f64)]) {
-        for &(c, price) in prices {
-            for &i in &self.caps[c].members {
-                scores[i] -= price;
+        for &(group, price) in prices {
+            for &i in self.members(group).iter() {
+                reduced[i] -= price;
             }
         }
+        reduced
     }
 
     /// The `count` candidates of greatest score that hold the required ones, caps aside, and the least score among those
@@ -315,37 +366,43 @@ impl Rules {
 
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeMap;
-
     use proptest::prelude::*;
 
     use super::*;
 
     proptest! {
-        /// In the order of their places, as those who check a certificate number them.
+        /// A ball holds what is near its middle, of which any two conflict; what weights overfill are such balls.
         #[test]
-        fn cells_are_the_shared_ones_of_a_grid(
-            points in prop::collection::vec(prop::array::uniform2(-1.0..1.0f64), 0..200),
+        fn selections_hold_one_of_a_ball_at_most(
+            points in prop::collection::vec(prop::array::uniform2(-1.0..1.0f64), 1..60),
             least in 0.05..0.6f64,
         ) {
-            let separation = Separation::of(&points, least);
-            let side = least / 2f64.sqrt() * (1.0 - 1e-9);
-            let mut cells = BTreeMap::<[i64; 2], Vec<usize>>::new();
-            for (i, point) in points.iter().enumerate() {
-                cells.entry(point.map(|x| (x / side).floor() as i64)).or_default().push(i);
+            let n = points.len();
+            let constraints = Constraints { separations: vec![Separation::of(&points, least)], ..Constraints::default() };
+            let rules = Rules::new(constraints, n).unwrap();
+            let middle = |a: usize, b: usize| [0, 1].map(|axis| 0.5 * (points[a][axis] + points[b][axis]));
+            let distance = |i: usize, c: [f64; 2]| (points[i][0] - c[0]).hypot(points[i][1] - c[1]);
+            let all: Vec<usize> = (0..n).collect();
+            let weights: Vec<(usize, f64)> = all.iter().map(|&i| (i, 0.4)).collect();
+            let overfull = rules.overfull(&weights, 1e-3);
+            for (a, b) in (0..n).flat_map(|a| (a..n).map(move |b| (a, b))) {
+                let ball = Group::Ball { separation: 0, between: [a, b] };
+                let members = rules.members(ball);
+                prop_assert_eq!(&rules.counted(&all, ball), &*members);
+                for i in 0..n {
+                    let distance = distance(i, middle(a, b));
+                    prop_assert!(members.contains(&i) && distance < 0.5 * least || distance > 0.499_999 * least);
+                }
+                for (c, &i) in members.iter().enumerate() {
+                    prop_assert!(members[..c].iter().all(|&j| rules.conflict(i, j)));
+                }
+                // Three weights are more than one, and are held against the same or a fuller ball.
+                let counts = |other: &Group| members.iter().all(|i| rules.members(*other).contains(i));
+                if members.len() > 2 && (a == b || rules.conflict(a, b)) {
+                    prop_assert!(overfull.iter().any(counts));
+                }
             }
-            let shared = cells.into_values().filter(|members| members.len() > 1);
-            let expected: Vec<Cap> = shared.map(|members| Cap { members, most: 1 }).collect();
-            let found = separation.cells(points.len());
-            for cell in &found {
-                prop_assert!(cell.members.windows(2).all(|pair| separation.conflict(pair[0], pair[1])));
-            }
-            prop_assert_eq!(&found, &expected);
-            let caps_of = Lists::of_caps(&found, points.len());
-            for i in 0..points.len() {
-                let counts = (0..).zip(&found).filter(|(_, cap)| cap.members.contains(&i)).map(|(c, _)| c);
-                prop_assert_eq!(caps_of.get(i).to_vec(), counts.collect::<Vec<u32>>());
-            }
+            prop_assert!(overfull.iter().all(|&ball| rules.members(ball).len() > 2));
         }
     }
 }

@@ -18,6 +18,7 @@ use nalgebra::DMatrix;
 use super::InformationSet;
 use super::error::SelectionError;
 use super::function::{Gradient, InformationFunction};
+use super::group::Group;
 use super::packed::{RESOLUTION, cholesky, dual, packed_len, unpack, whiten};
 pub(crate) use constraints::Rules;
 
@@ -244,7 +245,7 @@ impl<'a> Instance<'a> {
         self.rules.is_open(i)
     }
 
-    /// The caps given, then the cells of the separations, as a certificate's prices number them.
+    /// The caps given.
     pub fn caps(&self) -> &[Cap] {
         &self.rules.caps
     }

@@ -32,7 +32,7 @@ pub(crate) fn packing(instance: &Instance, included: &[usize], effort: usize) ->
     let all: Vec<usize> = (0..instance.len()).filter(open).collect();
     let searched = if all.len() > MOST { (0..MOST).map(|c| all[c * all.len() / MOST]).collect() } else { all.clone() };
     let graph = Graph::new(rules, searched);
-    let room: Vec<usize> = rules.groups().iter().map(|cap| cap.most - cap.count(included)).collect();
+    let room: Vec<usize> = rules.caps.iter().map(|cap| cap.most - cap.count(included)).collect();
     let wanted = instance.count() - included.len();
     let open = Bits::full(graph.members.len());
     let bound = graph.cover(&open, &room).last().map_or(0, |&(_, bound)| bound);
@@ -120,7 +120,7 @@ impl Graph {
         let conflicts = |a: usize| Bits::new(n, |b| a != b && rules.conflict(members[a], members[b]));
         let conflicts = (0..n).map(conflicts).collect();
         let group = |g: usize| Bits::new(n, |c| rules.caps_of(members[c]).any(|cap| cap == g));
-        let groups = (0..rules.groups().len()).map(group).collect();
+        let groups = (0..rules.caps.len()).map(group).collect();
         Self { members, conflicts, groups }
     }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Block, Instance};
+use super::{Block, Group, Instance};
 use crate::selection::InformationSet;
 
 /// Some candidates of an instance, with copies of their matrices: what is left to look at once the others are known to be in no
@@ -42,6 +42,22 @@ impl<'a> Part<'a> {
             count: self.whole.count,
             rules: Arc::new(self.whole.rules.of_part(&self.members)),
         }
+    }
+
+    /// What it is a part of.
+    pub(crate) fn whole(&self) -> &'a Instance<'a> {
+        self.whole
+    }
+
+    /// Prices of the part's groups as those of the whole: balls are between the same candidates there, and hold more.
+    pub(crate) fn whole_prices(&self, prices: &[(Group, f64)]) -> Vec<(Group, f64)> {
+        let of_whole = |group| match group {
+            Group::Ball { separation, between } => {
+                Group::Ball { separation, between: between.map(|i| self.members[i]) }
+            }
+            cap @ Group::Cap(_) => cap,
+        };
+        prices.iter().map(|&(group, price)| (of_whole(group), price)).collect()
     }
 
     /// The place of a member.
@@ -93,6 +109,11 @@ mod tests {
         for (a, &i) in members.iter().enumerate() {
             assert_eq!(instance.is_open(a), whole.is_open(i));
             assert!(instance.rules().caps_of(a).eq(whole.rules().caps_of(i)));
+            let [of_part, of_whole] = [a, i].map(|i| Group::Ball { separation: 0, between: [i, i] });
+            assert_eq!(
+                part.whole_prices(&[(Group::Cap(0), 0.5), (of_part, 1.5)]),
+                [(Group::Cap(0), 0.5), (of_whole, 1.5)]
+            );
             for (b, &j) in members.iter().enumerate() {
                 assert_eq!(instance.rules().allows(&[a], None, b), whole.rules().allows(&[i], None, j), "{i} {j}");
             }

@@ -1,5 +1,7 @@
 //! What a certificate's matrices prove.
 
+use std::borrow::Cow;
+
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -7,8 +9,8 @@ use super::compare::alike;
 use super::error::CertifyError;
 use super::evidence::{Evidence, Rounded};
 use super::function::{ROUNDING, semidefinite};
-use super::rules::{Group, Rules};
-use crate::plan::document::{CertificateDocument, CertificateTerm, Price};
+use super::rules::Rules;
+use crate::plan::document::{BallPrice, CertificateDocument, CertificateTerm, Price};
 
 /// The matrices of a certificate, and what is known of them before any view is scored.
 pub(super) struct Matrices {
@@ -81,12 +83,26 @@ impl Evidence<'_> {
     /// The logarithm of `S / Φ°(Y)`: no allowed set of `count` views has a greater log Φ.
     pub(super) fn log_bound(&self, certificate: &CertificateDocument, count: usize) -> Result<Rounded, CertifyError> {
         // The bound is what is computed here; whether it is the one stated the caller asks.
-        let CertificateDocument { bound: _, terms: stated, mixture, prices } = certificate;
+        let CertificateDocument { bound: _, terms: stated, mixture, prices, balls } = certificate;
         let Rules { required, forbidden, groups, .. } = &self.rules;
-        let priced = |&Price { group, price }: &Price| price >= 0.0 && group < groups.len();
-        if !prices.iter().all(priced) || count < required.len() {
+        let ball_of = |ball: &BallPrice| (ball.separation, ball.between);
+        let are_in_order = prices.windows(2).all(|pair| pair[0].group < pair[1].group)
+            && balls.windows(2).all(|pair| ball_of(&pair[0]) < ball_of(&pair[1]))
+            && balls.iter().all(|ball| ball.between[0] <= ball.between[1]);
+        if count < required.len() || !are_in_order {
             return Err(CertifyError::Prices);
         }
+        let of_group = |&Price { group, price }: &Price| Some((Cow::Borrowed(groups.get(group)?), price));
+        let place = |id: usize| {
+            let mut views = self.set_ups[0].views.iter();
+            views.position(|view| view.as_ref().is_some_and(|view| view.id == id))
+        };
+        let of_ball = |&BallPrice { separation, between: [a, b], price }: &BallPrice| {
+            Some((Cow::Owned(self.rules.ball(separation, place(a)?, place(b)?)?), price))
+        };
+        let priced: Option<Vec<_>> = prices.iter().map(of_group).chain(balls.iter().map(of_ball)).collect();
+        let priced =
+            priced.filter(|priced| priced.iter().all(|&(_, price)| price >= 0.0)).ok_or(CertifyError::Prices)?;
         let Matrices { Y, mut given, log_polar: [least_polar, greatest_polar] } = self.matrices(stated, mixture)?;
         let mut scores = vec![0.0; self.set_ups[0].views.len()];
         // Sums of the products' sizes, for rounding.
@@ -104,12 +120,11 @@ impl Evidence<'_> {
             )?;
             entries += Y.len();
         }
-        for &Price { group, price } in prices {
-            let Group { members, most } = &groups[group];
-            for &i in members {
+        for (group, price) in priced {
+            for &i in &group.members {
                 scores[i] -= price;
             }
-            given += price * *most as f64;
+            given += price * group.most as f64;
         }
         let mut free: Vec<usize> =
             (0..scores.len()).filter(|i| !forbidden[*i] && required.binary_search(i).is_err()).collect();

@@ -55,9 +55,9 @@ pub enum CertifyError {
         /// The order it must have.
         order: usize,
     },
-    /// A price or mixture is negative, or of no group or accuracy.
+    /// A price or mixture is negative, or of no group or accuracy, or prices are not in order.
     #[error(
-        "the certificate's prices or mixture are negative, do not add up to one, or name something that does not exist"
+        "the certificate's prices or mixture are negative, do not add up to one, are not in order, or name something that does not exist"
     )]
     Prices,
     /// The refutation does not refute.

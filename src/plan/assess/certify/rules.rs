@@ -1,14 +1,13 @@
 //! The problem's constraints on the views of a survey, derived from the problem file alone.
 
-use std::collections::BTreeMap;
-
 use super::error::{BrokenConstraint, CertifyError};
 use crate::feasibility::View;
 use crate::plan::survey::Survey;
 use crate::problem::Problem;
 use crate::robot::JointKind;
 
-/// Groups of views of which a set may have only so many; the last ones, `most` 1, are the cells of the separations.
+/// Views of which a set may have only so many.
+#[derive(Clone)]
 pub(super) struct Group {
     pub(super) members: Vec<usize>,
     pub(super) most: usize,
@@ -18,7 +17,7 @@ pub(super) struct Group {
 pub(super) struct Rules {
     pub(super) required: Vec<usize>,
     pub(super) forbidden: Vec<bool>,
-    /// First those of the problem file in its order, then the cells of the separations, as prices number them.
+    /// Those of the problem file in its order.
     pub(super) groups: Vec<Group>,
     /// Points of all views and the least distance between those of two poses.
     separations: Vec<(Vec<Vec<f64>>, f64)>,
@@ -33,7 +32,7 @@ impl Rules {
         let forbidden = views
             .iter()
             .map(|view| has(&constraints.forbidden, view) || constraints.keep_out.iter().any(|r| r.contains(&view.q)));
-        let mut groups: Vec<Group> = constraints
+        let groups = constraints
             .groups
             .iter()
             .map(|group| Group { members: numbers(&|view| group.region.contains(&view.q)), most: group.most })
@@ -57,9 +56,6 @@ impl Rules {
         if least > 0.0 {
             let picture = |view: &View| view.picture(&problem.camera, &problem.target.board).to_vec();
             separations.push((views.iter().map(picture).collect(), least));
-        }
-        for (points, least) in &separations {
-            groups.extend(cells(points, *least));
         }
         let required = numbers(&|view| has(&constraints.required, view));
         Self { required, forbidden: forbidden.collect(), groups, separations }
@@ -98,22 +94,19 @@ impl Rules {
     }
 
     pub(super) fn are_too_close(&self, i: usize, j: usize) -> bool {
-        self.separations.iter().any(|(points, least)| {
-            let squares = points[i].iter().zip(&points[j]).map(|(a, b)| (a - b) * (a - b));
-            squares.sum::<f64>().sqrt() < *least
-        })
+        self.separations.iter().any(|(points, least)| distance(&points[i], &points[j]) < *least)
+    }
+
+    /// The views nearer than half a separation's least distance to the point midway between two of them, or a little less, so that
+    /// rounding joins none that are not: any two of them are too close to each other. `None` if there is no such separation.
+    pub(super) fn ball(&self, separation: usize, a: usize, b: usize) -> Option<Group> {
+        let (points, least) = self.separations.get(separation)?;
+        let centre: Vec<f64> = points[a].iter().zip(&points[b]).map(|(a, b)| 0.5 * (a + b)).collect();
+        let is_near = |&i: &usize| 2.0 * distance(&points[i], &centre) < least * (1.0 - 1e-9);
+        Some(Group { members: (0..points.len()).filter(is_near).collect(), most: 1 })
     }
 }
 
-/// The cells of more than one point of a grid, in the grid's order. Its side is `least / √d` for points of d coordinates, and a
-/// little less, so that any two points of a cell are closer than `least`: a set has at most one of them.
-fn cells(points: &[Vec<f64>], least: f64) -> Vec<Group> {
-    let dimension = points.first().map_or(0, Vec::len).max(1);
-    let side = least / (dimension as f64).sqrt() * (1.0 - 1e-9);
-    let mut cells = BTreeMap::<Vec<i64>, Vec<usize>>::new();
-    for (i, point) in points.iter().enumerate() {
-        let cell = point.iter().map(|x| (x / side).floor() as i64).collect();
-        cells.entry(cell).or_default().push(i);
-    }
-    cells.into_values().filter(|members| members.len() > 1).map(|members| Group { members, most: 1 }).collect()
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
 }

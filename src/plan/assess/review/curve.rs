@@ -51,7 +51,7 @@ fn bound(plan: &Plan, chooser: &Chooser, instance: &Instance) -> Result<Option<f
     }
     let p = term.matrix.len();
     let Y = DMatrix::from_row_iterator(p, p, term.matrix.iter().flatten().copied());
-    let prices = plan.certificate.grid.prices.iter().map(|price| (price.group, price.price)).collect();
+    let Some(prices) = plan.certificate.grid.group_prices(chooser.survey()) else { return Ok(None) };
     let certificate = Certificate::new(instance, Gradient::new(&[Y], vec![]), prices).map_err(PlanError::Selection)?;
     Ok(finite(chooser.natural(certificate.log_bound).sqrt()))
 }

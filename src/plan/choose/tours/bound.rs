@@ -132,7 +132,7 @@ impl Good<'_> {
             log_value: found.log_value,
             log_bound: found.certificate.log_bound,
             weighted: part.members(&weighted),
-            scores: Scores::of_part(&instance, &found.certificate, self.instance),
+            scores: Scores::of_part(&part, &found.certificate),
         })
     }
 }
@@ -210,7 +210,7 @@ impl Span {
 
 /// What a certificate says of parts of the views.
 pub(super) struct Scores {
-    /// Of each view, less the prices of its caps.
+    /// Of each view, less the prices of its groups.
     reduced: Vec<f64>,
     /// What the bound is made of beside the greatest scores.
     others: f64,
@@ -228,9 +228,10 @@ impl Scores {
         Self { reduced, others, log_polar }
     }
 
-    /// By a certificate of some of the views, of which `part` is.
-    fn of_part(part: &Instance, certificate: &Certificate, instance: &Instance) -> Self {
-        Self { reduced: reduced(instance, certificate), ..Self::new(part, certificate) }
+    /// By a certificate of a part of the views.
+    fn of_part(part: &Part, certificate: &Certificate) -> Self {
+        let whole = Certificate { prices: part.whole_prices(&certificate.prices), ..certificate.clone() };
+        Self { reduced: reduced(part.whole(), &whole), ..Self::new(&part.instance(), certificate) }
     }
 
     /// What log Φ of no set among `members`, which hold the required ones, surpasses.
@@ -241,11 +242,9 @@ impl Scores {
     }
 }
 
-/// Scores of all views by a certificate, less the prices of their caps.
+/// Scores of all views by a certificate, less the prices of their groups.
 fn reduced(instance: &Instance, certificate: &Certificate) -> Vec<f64> {
-    let mut reduced = instance.scores(&certificate.y);
-    instance.rules().reduce(&mut reduced, &certificate.prices);
-    reduced
+    instance.rules().reduced(&instance.scores(&certificate.y), &certificate.prices)
 }
 
 /// The sum of the greatest scores of as many members as are chosen freely.

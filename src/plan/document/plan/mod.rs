@@ -15,8 +15,8 @@ pub use polished::{GridPlan, PROVEN, PolishedPlan};
 pub use pose::{PlannedPose, Pose, joints_deg};
 pub(crate) use pose::{joint_columns, poses_csv};
 pub use proof::{
-    AccuracyDocument, CertificateDocument, CertificateTerm, Certificates, ContinuumDocument, FewestDocument, Price,
-    SearchDocument,
+    AccuracyDocument, BallPrice, CertificateDocument, CertificateTerm, Certificates, ContinuumDocument, FewestDocument,
+    Price, SearchDocument,
 };
 pub(in crate::plan::document) use reading::read;
 pub use reading::{PlanReadError, PlannedPoses};
@@ -159,7 +159,7 @@ impl UnweightedAccuracy {
 
 impl Document for Plan {
     const FORMAT: &'static str = "calipose.plan";
-    const VERSION: u32 = 4;
+    const VERSION: u32 = 5;
 }
 
 impl Plan {
@@ -176,7 +176,7 @@ impl Plan {
         let shares = chooser.shares(&choice.selected)?;
         let poses = choice.selected.iter().zip(shares);
         let views: Vec<View> = choice.selected.iter().map(|&i| survey.views[i].clone()).collect();
-        let document = |certificate| CertificateDocument::new(chooser.objective(), certificate);
+        let document = |certificate| CertificateDocument::new(chooser.objective(), &survey.views, certificate);
         let fewest = decision.fewest.as_ref().map(|proof| FewestDocument {
             accuracies: chooser.reached(choice).into_iter().map(AccuracyDocument::new).collect(),
             least: proof.least,

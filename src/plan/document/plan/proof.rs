@@ -4,11 +4,13 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::continuum::ContinuumEnd;
+use crate::feasibility::View;
 use crate::information::Criterion;
 use crate::plan::choose::{ContinuumCertificate, Objective, Reached, SearchSummary};
+use crate::plan::survey::Survey;
 use crate::problem::Goal;
 use crate::selection::packed::{packed_len, unpack};
-use crate::selection::{Certificate, SearchEnd};
+use crate::selection::{Certificate, Group, SearchEnd};
 
 /// The numbers that prove a bound: scores `Σ_t ⟨Y_t, M_ti⟩` less the prices of the caps, see the book's page "The method".
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -20,9 +22,12 @@ pub struct CertificateDocument {
     /// For accuracies, the mixture λ of the names' variances that the bound is taken for.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub mixture: Vec<f64>,
-    /// Prices of the constraints' groups that bind: first those of the file in its order, then the cells of the separations.
+    /// Prices of the constraints' groups that bind, ascending by the group.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub prices: Vec<Price>,
+    /// Prices of the balls that bind, of which the separations leave a set no more than one view each; ascending by separation and ids.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub balls: Vec<BallPrice>,
 }
 
 /// What proves a plan's bounds.
@@ -79,8 +84,20 @@ pub struct CertificateTerm {
 /// The price of a group.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Price {
-    /// Number of the group, from 0.
+    /// Number of the group in the problem file, from 0.
     pub group: usize,
+    /// Its price, at least 0.
+    pub price: f64,
+}
+
+/// The price of a ball: the views nearer than half a separation's least distance to the point midway between two of them. Any two of
+/// them are too close to each other.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct BallPrice {
+    /// Number of the separation among those in force, from 0, in the order joint, view, picture.
+    pub separation: usize,
+    /// The ids of the two views, ascending; the same twice where the ball is about one.
+    pub between: [usize; 2],
     /// Its price, at least 0.
     pub price: f64,
 }
@@ -149,13 +166,38 @@ impl SearchDocument {
 }
 
 impl CertificateDocument {
-    pub(crate) fn new(objective: &Objective, certificate: &Certificate) -> Self {
+    /// Of a certificate for choices among `views`.
+    pub(crate) fn new(objective: &Objective, views: &[View], certificate: &Certificate) -> Self {
+        let (mut prices, mut balls) = (vec![], vec![]);
+        for &(group, price) in &certificate.prices {
+            match group {
+                Group::Cap(group) => prices.push(Price { group, price }),
+                Group::Ball { separation, between } => {
+                    balls.push(BallPrice { separation, between: between.map(|i| views[i].id), price });
+                }
+            }
+        }
+        // In an order of their own, whatever their places are.
+        for ball in &mut balls {
+            ball.between.sort_unstable();
+        }
+        balls.sort_unstable_by_key(|ball| (ball.separation, ball.between));
         Self {
             bound: objective.natural(certificate.log_bound),
             terms: terms(objective, &certificate.y),
             mixture: certificate.mixture.clone(),
-            prices: certificate.prices.iter().map(|&(group, price)| Price { group, price }).collect(),
+            prices,
+            balls,
         }
+    }
+
+    /// The prices of the groups of a survey's views; `None` if one is about a view that is not among them.
+    pub(crate) fn group_prices(&self, survey: &Survey) -> Option<Vec<(Group, f64)>> {
+        let caps = self.prices.iter().map(|&Price { group, price }| Some((Group::Cap(group), price)));
+        let balls = self.balls.iter().map(|&BallPrice { separation, between: [a, b], price }| {
+            Some((Group::Ball { separation, between: [survey.index_of(a)?, survey.index_of(b)?] }, price))
+        });
+        caps.chain(balls).collect()
     }
 }
 
