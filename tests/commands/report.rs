@@ -204,7 +204,7 @@ fn a_mesh_that_is_gone_is_named() {
     let small = corners.replace('1', "0.02");
     fs::write(desk.path("urdf/hand.obj"), format!("{small}f 1 2 4\nf 5 6 8\nf 1 5 7\nf 2 6 8\n")).unwrap();
     fs::copy("problems/six-axis-rover.toml", desk.path("rover.toml")).unwrap();
-    desk.stdout("plan rover.toml -q --set sweep.sample=40000 --set sweep.refine=0 -k 6 --trials 0 -o out");
+    desk.stdout("plan rover.toml -q --set sweep.sample=40000 --set sweep.refine=0 --set selection.off_grid=false -k 6 --trials 0 -o out");
     let page = fs::read_to_string(desk.path("out/report.html")).unwrap();
     assert!(page.contains("\"kind\":\"mesh\"") && page.contains("least clearance"));
     let before = desk.files("out");
@@ -358,7 +358,7 @@ fn the_summary_fits_a_terminal_and_says_the_verdict_first() {
     let told = desk.stdout("plan coarse.toml -k 8 -o out");
     let second = told.lines().nth(1).unwrap();
     assert!(second.starts_with("Verdict: "), "{told}");
-    let seven = "plan problems/seven-axis-carrier.toml --set sweep.sample=60000 --trials 0 -k 6 -o";
+    let seven = "plan problems/seven-axis-carrier.toml --set sweep.sample=60000 --set selection.off_grid=false --trials 0 -k 6 -o";
     let folder = tempfile::tempdir().unwrap();
     let here = std::env::current_dir().unwrap();
     let seven = stdout(&here, &format!("{seven} {}", folder.path().display()));

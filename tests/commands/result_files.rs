@@ -129,7 +129,7 @@ fn robots_from_init_have_plans_of_their_own() {
         let text = std::fs::read_to_string(desk.path(&format!("{name}.toml"))).unwrap();
         std::fs::write(desk.path(&format!("{name}.toml")), text.replace("sample = 200_000", "sample = 20_000"))
             .unwrap();
-        desk.stdout(&format!("plan {name}.toml -q --trials 0"));
+        desk.stdout(&format!("plan {name}.toml -q --trials 0 --set selection.off_grid=false"));
     }
     assert_eq!(desk.files("plans"), ["my-robot", "other"]);
     desk.stdout("certify plans/my-robot/plan.json");

@@ -175,20 +175,23 @@ fn check_and_plan_say_that_nothing_is_tested_where_nothing_has_a_body() {
     let arm = desk(WITHOUT_BODIES, "");
     let said = "Collision: NOT tested (no bodies)";
     assert!(arm.prose("check arm.toml").contains(said));
-    let text = arm.prose("plan arm.toml -o out --trials 0");
+    let text = arm.prose("plan arm.toml -o out --trials 0 --set selection.off_grid=false");
     assert!(text.contains(said) && text.contains("[[scene.bodies]]"), "{text}");
     assert!(!text.contains("can be taken"), "{text}");
     let document = &plan_json(&arm)["collision"];
     assert_eq!((&document["tested"], &document["scene"]), (&json!(false), &json!([])));
     assert_eq!(document["joints_without_bodies"].as_array().unwrap().len(), 6);
     assert_eq!(arm.json("check arm.toml --json")["collision"], *document);
-    assert_eq!(arm.json("plan arm.toml -o out --trials 0 --json")["collision"], *document);
+    assert_eq!(
+        arm.json("plan arm.toml -o out --trials 0 --set selection.off_grid=false --json")["collision"],
+        *document
+    );
     // A table alone is touched by nothing that has a body.
     let table = desk(
         WITHOUT_BODIES,
         "[[scene.bodies]]\nname = \"table\"\nbox_mm = [2000, 2000, 20]\npose = { position_mm = [0, 0, -15] }",
     );
-    let text = table.prose("plan arm.toml -o out --trials 0");
+    let text = table.prose("plan arm.toml -o out --trials 0 --set selection.off_grid=false");
     assert!(text.contains("Collision: NOT tested (the robot has no bodies): table"), "{text}");
     assert_eq!(plan_json(&table)["collision"]["tested"], false);
 }
@@ -200,12 +203,12 @@ fn cells_that_are_not_modelled_are_said_to_be_so_until_there_are_obstacles() {
     let said = "The cell is NOT modelled: add [[scene.bodies]]";
     let bare = desk(&capsules, "");
     assert!(bare.prose("check arm.toml").contains(said));
-    assert!(bare.prose("plan arm.toml -o out --trials 0").contains(said));
+    assert!(bare.prose("plan arm.toml -o out --trials 0 --set selection.off_grid=false").contains(said));
     assert_eq!(plan_json(&bare)["collision"]["scene"], json!([]));
     let table = "[[scene.bodies]]\nname = \"table\"\nbox_mm = [2000, 2000, 20]\npose = { position_mm = [0, 0, -15] }";
     let cell =
         desk(&capsules.replace("[[robot.bodies]]\nlink = \"elbow_joint\"", "[[robot.bodies]]\nlink = \"base\""), table);
-    let text = cell.prose("plan arm.toml -o out --trials 0");
+    let text = cell.prose("plan arm.toml -o out --trials 0 --set selection.off_grid=false");
     assert!(
         !text.contains(said) && text.contains("against each other, the board and table, clearance 1.000 mm"),
         "{text}"
@@ -241,7 +244,7 @@ fn refusals_name_the_pairs_that_are_always_within_the_clearance_and_the_remedy()
     let ignored = "clearance_mm = 10\nignore = [[\"wrist_1_joint\", \"wrist_3_joint\"]]";
     let helped =
         desk(&CAPSULES.replace("clearance_mm = 10", ignored).replace("[2000, 2000, 20]", "[150, 150, 20]"), "");
-    let text = helped.prose("plan arm.toml -o out --trials 0");
+    let text = helped.prose("plan arm.toml -o out --trials 0 --set selection.off_grid=false");
     assert!(!text.contains("Hardly any configuration can pass"), "{text}");
 }
 
