@@ -117,7 +117,7 @@ fn fits(instance: &Instance, y: &[f64], prices: &[(Group, f64)]) -> Result<(), S
     if found != expected {
         return Err(SelectionError::Length { what: "matrix Y", expected, found });
     }
-    if let Some(&(group, _)) = prices.iter().find(|&&(group, _)| !instance.rules().has(group, instance.len())) {
+    if let Some(&(group, _)) = prices.iter().find(|&&(group, _)| !instance.rules().has(group)) {
         return Err(SelectionError::NoSuchGroup { group });
     }
     Ok(())

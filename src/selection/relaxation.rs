@@ -61,7 +61,7 @@ impl Default for RelaxationSettings {
 pub struct Relaxation {
     /// Candidates of positive weight in ascending order, with their weights.
     pub weights: Vec<(usize, f64)>,
-    /// log Φ at the weights.
+    /// log Φ at the weights; −∞ where none were found within the groups.
     pub log_value: f64,
     /// The best bound found; holds whether or not the relaxation was solved.
     pub certificate: Certificate,
@@ -177,6 +177,10 @@ fn relaxed(
             // These weights are none any more.
             log_value = f64::NEG_INFINITY;
             continue;
+        }
+        if !master.is_within(&master.rows()) {
+            // The working set has no weights within the groups, or none were found.
+            break;
         }
         if smooth || reached > log_value {
             log_value = reached;

@@ -93,9 +93,9 @@ struct Ball {
 
 impl Ball {
     fn contains(&self, point: &[f64]) -> bool {
-        let apart = |limit: f64| self.centre.first().zip(point.first()).is_some_and(|(a, b)| (a - b).abs() >= limit);
+        let first = self.centre.first().zip(point.first());
         // Most are far away in the first coordinate already.
-        !apart(self.radius) && distance(&self.centre, point) < self.radius
+        first.is_none_or(|(a, b)| (a - b).abs() < self.radius) && distance(&self.centre, point) < self.radius
     }
 }
 
@@ -146,6 +146,8 @@ impl Lists {
 /// Checked constraints, in the form in which algorithms ask for them.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Rules {
+    /// Number of candidates; 0 where anything is allowed of any number.
+    candidates: usize,
     /// Candidates that are always in, ascending.
     pub(crate) required: Vec<usize>,
     /// Whether a candidate may be chosen; not if it is required or forbidden. Empty if all may.
@@ -207,7 +209,7 @@ impl Rules {
             }
         }
         let caps_of = Lists::of_caps(&caps, candidates);
-        Ok(Self { required, open, caps, caps_of, separations })
+        Ok(Self { candidates, required, open, caps, caps_of, separations })
     }
 
     /// Checks that `count` of so many candidates may be selected, caps and separations aside.
@@ -230,6 +232,7 @@ impl Rules {
             }
         }
         Self {
+            candidates: members.len(),
             required: self.required.iter().filter_map(|i| members.binary_search(i).ok()).collect(),
             open: if open.is_empty() { vec![] } else { members.iter().map(|&i| open[i]).collect() },
             caps_of: Lists::of_caps(&caps, members.len()),
@@ -253,12 +256,12 @@ impl Rules {
         self.caps.is_empty() && self.separations.is_empty()
     }
 
-    /// Whether there is such a group among so many candidates.
-    pub(crate) fn has(&self, group: Group, candidates: usize) -> bool {
+    /// Whether there is such a group.
+    pub(crate) fn has(&self, group: Group) -> bool {
         match group {
             Group::Cap(c) => c < self.caps.len(),
             Group::Ball { separation, between } => {
-                separation < self.separations.len() && between.iter().all(|&i| i < candidates)
+                separation < self.separations.len() && between.iter().all(|&i| i < self.candidates)
             }
         }
     }
@@ -282,8 +285,8 @@ impl Rules {
             Group::Ball { separation, between } => {
                 let separation = &self.separations[separation];
                 let ball = separation.ball(between);
-                let points = separation.points.par_chunks_exact(separation.dimension).enumerate().with_min_len(4096);
-                Cow::Owned(points.filter(|(_, point)| ball.contains(point)).map(|(i, _)| i).collect())
+                let all = (0..self.candidates).into_par_iter().with_min_len(4096);
+                Cow::Owned(all.filter(|&i| ball.contains(separation.point(i))).collect())
             }
         }
     }
