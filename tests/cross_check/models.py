@@ -34,7 +34,7 @@ SINGLE = 2e-7  # What MuJoCo holds in single precision, of 1.
 RANDOM = 200
 CORNER_MM = 0.1
 # Corners in pictures without antialiasing.
-RENDERED_PX = 0.3
+RENDERED_PX = 0.4
 BORDER_PX = 20
 REQUIREMENTS = [
     "drake==1.51.1",

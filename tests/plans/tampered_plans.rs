@@ -229,7 +229,7 @@ fn every_change_of_a_robust_plan_is_noticed() {
     let mut changes = changes(&plan);
     let own = ["robust", "worst_loss", "certificate.terms.1"];
     changes.retain(|change| own.iter().any(|key| change.field.starts_with(key)));
-    planned.notices_all(&changes, 200);
+    planned.notices_all(&changes, 150);
 }
 
 #[test]
