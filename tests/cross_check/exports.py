@@ -396,7 +396,7 @@ def main():
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(sys.argv[1] if len(sys.argv) > 1 else temporary)
         if len(sys.argv) < 2:
-            subprocess.run(["cargo", "run", "--release", "--locked", "--quiet", "--example", "exports", "--", folder], cwd=ROOT, check=True)
+            subprocess.run(["cargo", "run", "--locked", "--quiet", "--example", "exports", "--", folder], cwd=ROOT, check=True)
         for name in REFUSED:
             check(Tour(folder / name), wrong)
     for fault in wrong:

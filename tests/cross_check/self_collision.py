@@ -31,7 +31,7 @@ CENTER_TOLERANCE = 1e-9
 
 
 def dump(file, count):
-    command = ["cargo", "run", "--quiet", "--release", "--locked", "--example", "feasibility_dump", "--", file, str(count)]
+    command = ["cargo", "run", "--quiet", "--locked", "--example", "feasibility_dump", "--", file, str(count)]
     return json.loads(subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE).stdout)
 
 

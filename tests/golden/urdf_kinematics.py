@@ -120,7 +120,7 @@ def compare(path, configurations):
     lower, upper = np.array([reference.limits[name] for name in names]).reshape(-1, 2).T
     q = rng.uniform(lower, upper, (configurations, len(names)))
     request = json.dumps({"joints": names, "configurations": q.tolist()})
-    command = ["cargo", "run", "--release", "--quiet", "--locked", "--example", "urdf_kinematics", "--", path, SHARE]
+    command = ["cargo", "run", "--quiet", "--locked", "--example", "urdf_kinematics", "--", path, SHARE]
     run = subprocess.run(list(map(str, command)), input=request, capture_output=True, text=True, cwd=ROOT)
     if run.returncode:
         sys.exit(f"{path}: {run.stderr}")

@@ -1,5 +1,5 @@
 //! Prints a problem's links, bodies and masses, and what calipose says of random configurations, as one JSON document for
-//! `tests/cross_check/self_collision.py`: `cargo run --release --example feasibility_dump -- FILE COUNT`.
+//! `tests/cross_check/self_collision.py`: `cargo run --example feasibility_dump -- FILE COUNT`.
 
 #![allow(non_snake_case, clippy::unwrap_used, clippy::print_stdout, reason = "an example")]
 
