@@ -23,7 +23,7 @@ pub struct Measurement<'a> {
     pub unknowns: Unknowns<'a>,
     /// All corners of the board, in T (m).
     pub corners: Vec<Point3<f64>>,
-    /// What each of them is.
+    /// What each of them is; all of one kind, as those of a board are.
     pub features: Vec<Feature>,
     /// How far they scatter.
     pub noise: Noise,
@@ -202,7 +202,7 @@ mod tests {
 
     use super::*;
     use crate::camera::{Camera, Lens};
-    use crate::information::NoiseModel;
+    use crate::information::{Blur, NoiseModel};
     use crate::selection::packed::unpack;
     use crate::spatial::{Tangent, perturb, skew};
     use crate::target::Surface;
@@ -264,6 +264,49 @@ mod tests {
             for (i, j) in (0..p).flat_map(|i| (0..p).map(move |j| (i, j))) {
                 let scale = (definition[(i, i)] * definition[(j, j)]).sqrt();
                 assert!((M[(i, j)] - definition[(i, j)]).abs() < 1e-5 * scale, "{i} {j}");
+            }
+        }
+    }
+
+    /// However many there are, through every lens, and whatever they are.
+    #[test]
+    fn corners_side_by_side_tell_what_each_of_them_tells() {
+        let board = Board::checkerboard(9, 7, 0.03);
+        let X_CT = Pose::new(Vector3::new(0.05, -0.03, 0.6), Vector3::new(2.8, 0.2, -0.3));
+        let (R, t) = (X_CT.rotation.to_rotation_matrix().into_inner(), X_CT.translation.vector);
+        let blur = Blur { focal_length: 1000.0, aperture: 0.002, focus: 1.0, turning: 1e-3, moving: 0.0 };
+        let noise = Noise { sigma: 0.3, model: NoiseModel::Edges { window: 5.0, blur } };
+        let estimated = [0, 1, 2, 3];
+        for lens in Lens::ALL {
+            let camera =
+                Camera::new(lens, 1280, 720, &[&[1000.0, 990.0, 640.0, 360.0], lens.typical()].concat()).unwrap();
+            let unknowns = Unknowns { camera: &camera, estimated: &estimated };
+            let warp = Some(Warp::new(1e-3, &board));
+            let mut measurement = Measurement { warp, ..Measurement::new(unknowns, &board, noise) };
+            let p = measurement.order();
+            for feature in [board.feature(0), Feature::Circle { radius: 0.01 }, Feature::Point] {
+                measurement.features = vec![feature; measurement.corners.len()];
+                for count in [9, 16, 21, 63] {
+                    let seen: Vec<usize> = (0..count).map(|c| c * 11 % 63).collect();
+                    let mut J = DMatrix::zeros(2 * count, POSE + p);
+                    for (c, &i) in seen.iter().enumerate() {
+                        let Derivatives { by_intrinsics, by_pose, by_heights, whitening } =
+                            measurement.derivatives(i, &R, &t).unwrap();
+                        let columns = by_pose.iter().chain(&by_heights).chain(&by_intrinsics[..4]);
+                        for (j, &column) in columns.enumerate() {
+                            J.view_mut((2 * c, j), (2, 1)).copy_from_slice(&whitening.whitened(column));
+                        }
+                    }
+                    let root = J.qr().r().view((POSE, POSE), (p, p)).into_owned();
+                    let expected = root.transpose() * root * measurement.scale();
+                    let seen = if count == 63 { Corners::All } else { Corners::Some(seen) };
+                    let M = unpack(&measurement.information(&X_CT, &seen).unwrap(), p);
+                    for (i, j) in (0..p).flat_map(|i| (0..p).map(move |j| (i, j))) {
+                        let scale = (expected[(i, i)] * expected[(j, j)]).sqrt();
+                        let off = (M[(i, j)] - expected[(i, j)]).abs();
+                        assert!(off < 1e-8 * scale, "{lens:?} {feature:?} {count} {i} {j}: {off} {scale}");
+                    }
+                }
             }
         }
     }
