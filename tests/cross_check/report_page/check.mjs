@@ -209,6 +209,8 @@ await check("the wheel scrolls the page until the view has the focus", async () 
 await check("keys in the view step and play", async () => {
   await page.getByLabel("Speed of the playing").selectOption("8");
   await page.locator("#view3d [role=application]").focus();
+  // Playing ends at the last pose, whereas keys go on to the first.
+  if (all.indexOf(await chosen(page)) === all.length - 1) await page.keyboard.press("n");
   const before = all.indexOf(await chosen(page));
   await page.keyboard.press("n");
   await assertChosen(page, at(before + 1), "N");
