@@ -88,7 +88,7 @@ fn polish_writes_better_poses_beside_the_plan() {
     let written = std::fs::read_to_string(desk.path().join("out/polished.json")).unwrap();
     assert_eq!(stdout(desk.path(), "polish out/plan.json --cycles 2 --json"), written);
     let polished: PolishedPlan = serde_json::from_str(&written).unwrap();
-    assert_eq!((polished.header.format.as_str(), polished.header.version), ("calipose.polished", 1));
+    assert_eq!((polished.header.format.as_str(), polished.header.version), ("calipose.polished", 2));
     assert_eq!(polished.grid.certificate, plan.certificate.grid);
     assert_eq!((polished.grid.value, polished.grid.bound), (plan.value, plan.bound));
     // A variance.

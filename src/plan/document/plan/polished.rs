@@ -79,7 +79,7 @@ pub struct GridPlan {
 
 impl Document for PolishedPlan {
     const FORMAT: &'static str = "calipose.polished";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2;
 }
 
 impl PolishedPlan {
