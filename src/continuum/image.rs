@@ -12,8 +12,8 @@ pub(super) struct Image<const N: usize, const Q: usize, const C: usize> {
     pub(super) pixel: [Taylor<N, Q, C>; 2],
     /// By the point in C, px per m.
     pub(super) by_point: [[Taylor<N, Q, C>; 3]; 2],
-    /// By θ; none where it is zero.
-    pub(super) by_intrinsics: [[Option<Taylor<N, Q, C>>; MAX_INTRINSICS]; 2],
+    /// By θ; none where it is zero. Boxed, for most are none and all of them are moved about.
+    pub(super) by_intrinsics: [[Option<Box<Taylor<N, Q, C>>>; MAX_INTRINSICS]; 2],
     /// Whether the point is certainly behind the lens, where nothing has an image.
     pub(super) is_behind: [bool; LANES],
     /// Whether the models hold: where the point may be in the camera's plane they do not.
@@ -46,13 +46,12 @@ pub(super) fn image<const N: usize, const Q: usize, const C: usize>(
     };
     let [fx, fy, cx, cy] = [θ[0], θ[1], θ[2], θ[3]];
     let focal = [fx, fy];
-    let one = Taylor::constant(1.0);
-    let mut by_intrinsics: [[Option<Taylor<N, Q, C>>; MAX_INTRINSICS]; 2] = [[None; MAX_INTRINSICS]; 2];
+    let mut by_intrinsics: [[Option<Box<Taylor<N, Q, C>>>; MAX_INTRINSICS]; 2] = Default::default();
     for row in 0..2 {
-        by_intrinsics[row][row] = Some(distorted.point[row]);
-        by_intrinsics[row][2 + row] = Some(one);
+        by_intrinsics[row][row] = Some(Box::new(distorted.point[row]));
+        by_intrinsics[row][2 + row] = Some(Box::new(Taylor::constant(1.0)));
         for (j, column) in distorted.by_coefficients.iter().enumerate() {
-            by_intrinsics[row][4 + j] = Some(column[row].scaled(focal[row]));
+            by_intrinsics[row][4 + j] = Some(Box::new(column[row].scaled(focal[row])));
         }
     }
     let [mx, my] = &distorted.point;

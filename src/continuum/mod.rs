@@ -150,8 +150,9 @@ pub enum Unsupported {
 /// What is added to the eigenvalues of a Y of order 1, as a share of the greatest, for their rounding.
 const EIGENVALUE_ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// How far a box may move the board's points, as a share of their distance, for its score to be worth a bound.
-const WORTH: f64 = 0.3;
+/// How far a box may move the board's points, as a share of their distance, for its score to be worth a bound: of boxes that move
+/// them farther, all but a few are halved in any case.
+const WORTH: f64 = 0.12;
 
 impl<'a> Continuum<'a> {
     /// The sum of the scores in several settings of one arm, by a Y (packed, as the measurement's matrices) each. Views are those

@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, Matrix6, Point3, SMatrix, Vector2, Vector6};
 use super::frustum::Frustum;
 use super::image::{self, Image};
 use super::quadratic::Quadratic;
-use super::taylor::{Affine, Taylor};
+use super::taylor::{Affine, Products, Taylor, residual_squares};
 use super::twist::{Kinematics, Moved, direction, point};
 use super::{LANES, Lanes};
 use crate::camera::Camera;
@@ -55,7 +55,7 @@ pub(super) struct Scores<const N: usize, const Q: usize> {
 struct Rows<const N: usize, const Q: usize, const C: usize> {
     /// A L, a column after the other.
     A: Vec<[Taylor<N, Q, C>; 2]>,
-    B: [[Taylor<N, Q, C>; 6]; 2],
+    B: Box<[[Taylor<N, Q, C>; 6]; 2]>,
     /// S: xx, xy, yy.
     S: [Taylor<N, Q, C>; 3],
 }
@@ -161,14 +161,12 @@ pub(super) fn score<const N: usize, const Q: usize, const C: usize>(
     let Some(K) = elimination(&rows, root.ncols()) else { return Outcome::TooLarge };
     let mut sum = Taylor::constant(0.0);
     for Rows { A, B, S } in &rows {
-        let mut squares = [Taylor::constant(0.0); 3];
-        for (A, K) in A.iter().zip(&K) {
-            let [x, y] = [A[0].minus_products(&B[0], K), A[1].minus_products(&B[1], K)];
-            let products = [x.squared(), &x * &y, y.squared()];
-            squares = std::array::from_fn(|i| &squares[i] + &products[i]);
-        }
-        let cross = (&S[1] * &squares[1]).scaled(2.0);
-        sum = &sum + &(&(&(&S[0] * &squares[0]) + &cross) + &(&S[2] * &squares[2]));
+        let [xx, xy, yy] = residual_squares(A, B, &K).map(|squares| squares.sum());
+        let mut weighted = Products::NONE;
+        weighted.add(&S[0], &xx);
+        weighted.add(&S[1], &xy.scaled(2.0));
+        weighted.add(&S[2], &yy);
+        sum = &sum + &weighted.sum();
     }
     let first = |lanes: Lanes| Lanes::all(lanes.sum());
     let all = Taylor::new(
@@ -231,7 +229,7 @@ fn rows_of<const N: usize, const Q: usize, const C: usize>(
     };
     let S = precision(measurement, group, counts, &along, axes, points)?;
     let zero = Taylor::constant(0.0);
-    let S = S.map(|entry| entry.or(&zero, counts));
+    let S = if counts == [true; LANES] { S } else { S.map(|entry| entry.or(&zero, counts)) };
     let rise = measurement.warp.map(|warp| {
         let up = along(&axes[2]);
         let rises = group.points.map(|p| warp.rises(&p.coords.xy()));
@@ -246,12 +244,12 @@ fn rows_of<const N: usize, const Q: usize, const C: usize>(
             let heights = rise.iter().flatten().enumerate().map(|(i, rise)| (column[i], &rise[row]));
             let estimated = measurement.unknowns.estimated.iter().enumerate();
             let intrinsics = estimated.filter_map(|(j, &parameter)| {
-                Some((column[nuisance + j], image.by_intrinsics[row][parameter].as_ref()?))
+                Some((column[nuisance + j], image.by_intrinsics[row][parameter].as_deref()?))
             });
             Taylor::sum(heights.chain(intrinsics))
         })
     });
-    Ok(Rows { A: A.collect(), B, S })
+    Ok(Rows { A: A.collect(), B: Box::new(B), S })
 }
 
 /// `σ² Σ⁻¹` of the corners: see [`NoiseModel`].

@@ -11,7 +11,11 @@
 //!
 //! Makino and Berz, *Taylor models and other validated functional inclusion methods*, 2003.
 
+#![allow(clippy::inline_always, reason = "what is dispatched is compiled for the processor only where it is inlined")]
+
 use std::ops::{Add, Mul, Neg, Sub};
+
+use pulp::{Arch, Simd, WithSimd};
 
 use super::{LANES, Lanes};
 use crate::lanes::Number;
@@ -90,13 +94,13 @@ pub(super) const fn place_of_three(n: usize, a: usize, b: usize, c: usize) -> us
 }
 
 impl<const N: usize, const Q: usize, const C: usize> Taylor<N, Q, C> {
-    #[inline]
+    #[inline(always)]
     pub(super) fn new(c: Lanes, l: [Lanes; N], q: [Lanes; Q], t: [Lanes; C], r: Lanes) -> Self {
         let norm = |of: &[Lanes]| of.iter().fold(Lanes::ZERO, |sum, x| sum + x.abs());
         Self { c, l, q, t, r, linear: norm(&l), quadratic: norm(&q), cubic: norm(&t) }
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn constant(c: f64) -> Self {
         let zero = Lanes::ZERO;
         Self {
@@ -112,25 +116,25 @@ impl<const N: usize, const Q: usize, const C: usize> Taylor<N, Q, C> {
     }
 
     /// How far it can be from c.
-    #[inline]
+    #[inline(always)]
     pub(super) fn spread(&self) -> Lanes {
         self.linear + self.quadratic + self.cubic + self.r
     }
 
     /// A bound of |f|.
-    #[inline]
+    #[inline(always)]
     pub(super) fn norm(&self) -> Lanes {
         self.c.abs() + self.spread()
     }
 
     /// No value is less.
-    #[inline]
+    #[inline(always)]
     pub(super) fn least(&self) -> Lanes {
         self.c - self.spread() - self.norm() * ROUNDING
     }
 
     /// No value is greater.
-    #[inline]
+    #[inline(always)]
     pub(super) fn greatest(&self) -> Lanes {
         self.c + self.spread() + self.norm() * ROUNDING
     }
@@ -159,69 +163,18 @@ impl<const N: usize, const Q: usize, const C: usize> Taylor<N, Q, C> {
     }
 
     pub(super) fn squared(&self) -> Self {
-        let two_c = self.c * 2.0;
-        let q = self.q.map(|q| two_c * q);
-        let t = self.t.map(|t| two_c * t);
-        let (q, t) = self.with_squares(q, t);
-        Self::new(self.c * self.c, self.l.map(|l| two_c * l), q, t, self.remainder(self))
+        Arch::new().dispatch(Square(self))
     }
 
-    /// Adds the products of the linear terms, and of the linear and the quadratic.
-    #[inline]
-    fn with_products(&self, other: &Self, mut q: [Lanes; Q], mut t: [Lanes; C]) -> ([Lanes; Q], [Lanes; C]) {
-        let (mut second, mut third) = (0, 0);
-        for a in 0..N {
-            for b in a..N {
-                q[second] += self.l[a] * other.l[b];
-                if a != b {
-                    q[second] += self.l[b] * other.l[a];
-                }
-                for c in b..N {
-                    let bc = place(N, b, c);
-                    let mut sum = self.l[a] * other.q[bc] + self.q[bc] * other.l[a];
-                    if b != a {
-                        let ac = place(N, a, c);
-                        sum += self.l[b] * other.q[ac] + self.q[ac] * other.l[b];
-                    }
-                    if c != b {
-                        sum += self.l[c] * other.q[second] + self.q[second] * other.l[c];
-                    }
-                    t[third] += sum;
-                    third += 1;
-                }
-                second += 1;
-            }
-        }
-        (q, t)
-    }
-
-    /// The same of its square.
-    #[inline]
-    fn with_squares(&self, mut q: [Lanes; Q], mut t: [Lanes; C]) -> ([Lanes; Q], [Lanes; C]) {
-        let (mut second, mut third) = (0, 0);
-        for a in 0..N {
-            for b in a..N {
-                let share = if a == b { 1.0 } else { 2.0 };
-                q[second] += self.l[a] * self.l[b] * share;
-                for c in b..N {
-                    let mut sum = self.l[a] * self.q[place(N, b, c)];
-                    if b != a {
-                        sum += self.l[b] * self.q[place(N, a, c)];
-                    }
-                    if c != b {
-                        sum += self.l[c] * self.q[second];
-                    }
-                    t[third] += sum * 2.0;
-                    third += 1;
-                }
-                second += 1;
-            }
-        }
-        (q, t)
+    #[inline(always)]
+    fn square(&self) -> Self {
+        let mut square = Products::NONE;
+        square.add_square(self);
+        square.sum()
     }
 
     /// What the product of the two has beside the polynomial of third order.
-    #[inline]
+    #[inline(always)]
     fn remainder(&self, other: &Self) -> Lanes {
         let (mine, others) = (self.cubic + self.r, other.cubic + other.r);
         let fourth = self.linear * others
@@ -233,7 +186,8 @@ impl<const N: usize, const Q: usize, const C: usize> Taylor<N, Q, C> {
     }
 
     /// Less the products with affine functions that are the same in all four.
-    pub(super) fn minus_products<const M: usize>(&self, of: &[Self; M], with: &[Affine<N>; M]) -> Self {
+    #[inline(always)]
+    fn minus_products<const M: usize>(&self, of: &[Self; M], with: &[Affine<N>; M]) -> Self {
         let Self { mut c, mut l, mut q, mut t, mut r, .. } = *self;
         let mut size = self.norm();
         for (model, affine) in of.iter().zip(with) {
@@ -273,6 +227,11 @@ impl<const N: usize, const Q: usize, const C: usize> Taylor<N, Q, C> {
 
     /// Linear combination.
     pub(super) fn sum<'a>(terms: impl IntoIterator<Item = (f64, &'a Self)>) -> Self {
+        Arch::new().dispatch(Sum(terms))
+    }
+
+    #[inline(always)]
+    fn combination<'a>(terms: impl IntoIterator<Item = (f64, &'a Self)>) -> Self {
         let Self { mut c, mut l, mut q, mut t, mut r, .. } = Self::constant(0.0);
         let mut size = Lanes::ZERO;
         for (factor, model) in terms {
@@ -296,9 +255,14 @@ impl<const N: usize, const Q: usize, const C: usize> Taylor<N, Q, C> {
 
     /// `f(model)` by the expansion of f about the model's c.
     pub(super) fn through(&self, f: &Expansion) -> Self {
+        Arch::new().dispatch(Through { model: self, f })
+    }
+
+    #[inline(always)]
+    fn expanded(&self, f: &Expansion) -> Self {
         // d = f − c without what goes to the remainder; d² and d³ to the third order.
         let d = Self { c: Lanes::ZERO, ..*self };
-        let square = d.squared();
+        let square = d.square();
         let mut cube = [Lanes::ZERO; C];
         let mut third = 0;
         for a in 0..N {
@@ -419,12 +383,208 @@ impl<const N: usize, const Q: usize, const C: usize> Neg for &Taylor<N, Q, C> {
 impl<const N: usize, const Q: usize, const C: usize> Mul for &Taylor<N, Q, C> {
     type Output = Taylor<N, Q, C>;
 
-    #[expect(clippy::suspicious_arithmetic_impl, reason = "the product rule")]
     fn mul(self, other: Self) -> Taylor<N, Q, C> {
-        let l = std::array::from_fn(|a| self.c * other.l[a] + self.l[a] * other.c);
-        let q = std::array::from_fn(|k| self.c * other.q[k] + self.q[k] * other.c);
-        let t = std::array::from_fn(|k| self.c * other.t[k] + self.t[k] * other.c);
-        let (q, t) = self.with_products(other, q, t);
-        Taylor::new(self.c * other.c, l, q, t, self.remainder(other))
+        Arch::new().dispatch(Product(self, other))
+    }
+}
+
+/// A sum of products, of no more than a hundred.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Products<const N: usize, const Q: usize, const C: usize> {
+    c: Lanes,
+    l: [Lanes; N],
+    q: [Lanes; Q],
+    t: [Lanes; C],
+    r: Lanes,
+}
+
+impl<const N: usize, const Q: usize, const C: usize> Products<N, Q, C> {
+    pub(super) const NONE: Self =
+        Self { c: Lanes::ZERO, l: [Lanes::ZERO; N], q: [Lanes::ZERO; Q], t: [Lanes::ZERO; C], r: Lanes::ZERO };
+
+    pub(super) fn add(&mut self, one: &Taylor<N, Q, C>, other: &Taylor<N, Q, C>) {
+        Arch::new().dispatch(AddProduct { sum: self, one, other });
+    }
+
+    #[inline(always)]
+    pub(super) fn sum(&self) -> Taylor<N, Q, C> {
+        let Self { c, l, q, t, r } = *self;
+        Taylor::new(c, l, q, t, r)
+    }
+
+    #[inline(always)]
+    fn add_product(&mut self, one: &Taylor<N, Q, C>, other: &Taylor<N, Q, C>) {
+        self.c += one.c * other.c;
+        for (l, (one_l, other_l)) in self.l.iter_mut().zip(one.l.iter().zip(&other.l)) {
+            *l += one.c * *other_l + *one_l * other.c;
+        }
+        for (q, (one_q, other_q)) in self.q.iter_mut().zip(one.q.iter().zip(&other.q)) {
+            *q += one.c * *other_q + *one_q * other.c;
+        }
+        for (t, (one_t, other_t)) in self.t.iter_mut().zip(one.t.iter().zip(&other.t)) {
+            *t += one.c * *other_t + *one_t * other.c;
+        }
+        let (mut second, mut third) = (0, 0);
+        for a in 0..N {
+            for b in a..N {
+                let mut sum = one.l[a] * other.l[b];
+                if a != b {
+                    sum += one.l[b] * other.l[a];
+                }
+                self.q[second] += sum;
+                for c in b..N {
+                    let bc = place(N, b, c);
+                    let mut sum = one.l[a] * other.q[bc] + one.q[bc] * other.l[a];
+                    if b != a {
+                        let ac = place(N, a, c);
+                        sum += one.l[b] * other.q[ac] + one.q[ac] * other.l[b];
+                    }
+                    if c != b {
+                        sum += one.l[c] * other.q[second] + one.q[second] * other.l[c];
+                    }
+                    self.t[third] += sum;
+                    third += 1;
+                }
+                second += 1;
+            }
+        }
+        self.r += one.remainder(other);
+    }
+
+    #[inline(always)]
+    fn add_square(&mut self, of: &Taylor<N, Q, C>) {
+        let two_c = of.c * 2.0;
+        self.c += of.c * of.c;
+        for (l, of_l) in self.l.iter_mut().zip(&of.l) {
+            *l += two_c * *of_l;
+        }
+        for (q, of_q) in self.q.iter_mut().zip(&of.q) {
+            *q += two_c * *of_q;
+        }
+        for (t, of_t) in self.t.iter_mut().zip(&of.t) {
+            *t += two_c * *of_t;
+        }
+        let (mut second, mut third) = (0, 0);
+        for a in 0..N {
+            for b in a..N {
+                let share = if a == b { 1.0 } else { 2.0 };
+                self.q[second] += of.l[a] * of.l[b] * share;
+                for c in b..N {
+                    let mut sum = of.l[a] * of.q[place(N, b, c)];
+                    if b != a {
+                        sum += of.l[b] * of.q[place(N, a, c)];
+                    }
+                    if c != b {
+                        sum += of.l[c] * of.q[second];
+                    }
+                    self.t[third] += sum * 2.0;
+                    third += 1;
+                }
+                second += 1;
+            }
+        }
+        self.r += of.remainder(of);
+    }
+}
+
+/// `xx, xy, yy` of all columns, of the residuals `[x, y] = A − B K`.
+pub(super) fn residual_squares<const N: usize, const Q: usize, const C: usize>(
+    A: &[[Taylor<N, Q, C>; 2]],
+    B: &[[Taylor<N, Q, C>; 6]; 2],
+    K: &[[Affine<N>; 6]],
+) -> [Products<N, Q, C>; 3] {
+    let mut squares = [Products::NONE; 3];
+    for (A, K) in A.iter().zip(K) {
+        Arch::new().dispatch(AddResidual { squares: &mut squares, A, B, K });
+    }
+    squares
+}
+
+// What follows is compiled for every set of instructions that `Arch` tells apart.
+
+struct Product<'a, const N: usize, const Q: usize, const C: usize>(&'a Taylor<N, Q, C>, &'a Taylor<N, Q, C>);
+
+impl<const N: usize, const Q: usize, const C: usize> WithSimd for Product<'_, N, Q, C> {
+    type Output = Taylor<N, Q, C>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        let mut product = Products::NONE;
+        product.add_product(self.0, self.1);
+        product.sum()
+    }
+}
+
+struct Square<'a, const N: usize, const Q: usize, const C: usize>(&'a Taylor<N, Q, C>);
+
+impl<const N: usize, const Q: usize, const C: usize> WithSimd for Square<'_, N, Q, C> {
+    type Output = Taylor<N, Q, C>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        self.0.square()
+    }
+}
+
+struct AddProduct<'a, const N: usize, const Q: usize, const C: usize> {
+    sum: &'a mut Products<N, Q, C>,
+    one: &'a Taylor<N, Q, C>,
+    other: &'a Taylor<N, Q, C>,
+}
+
+impl<const N: usize, const Q: usize, const C: usize> WithSimd for AddProduct<'_, N, Q, C> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        self.sum.add_product(self.one, self.other);
+    }
+}
+
+struct AddResidual<'a, const N: usize, const Q: usize, const C: usize> {
+    squares: &'a mut [Products<N, Q, C>; 3],
+    A: &'a [Taylor<N, Q, C>; 2],
+    B: &'a [[Taylor<N, Q, C>; 6]; 2],
+    K: &'a [Affine<N>; 6],
+}
+
+impl<const N: usize, const Q: usize, const C: usize> WithSimd for AddResidual<'_, N, Q, C> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { squares: [xx, xy, yy], A, B, K } = self;
+        let (x, y) = (A[0].minus_products(&B[0], K), A[1].minus_products(&B[1], K));
+        xx.add_square(&x);
+        xy.add_product(&x, &y);
+        yy.add_square(&y);
+    }
+}
+
+struct Through<'a, const N: usize, const Q: usize, const C: usize> {
+    model: &'a Taylor<N, Q, C>,
+    f: &'a Expansion,
+}
+
+impl<const N: usize, const Q: usize, const C: usize> WithSimd for Through<'_, N, Q, C> {
+    type Output = Taylor<N, Q, C>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        self.model.expanded(self.f)
+    }
+}
+
+struct Sum<I>(I);
+
+impl<'a, const N: usize, const Q: usize, const C: usize, I> WithSimd for Sum<I>
+where
+    I: IntoIterator<Item = (f64, &'a Taylor<N, Q, C>)>,
+{
+    type Output = Taylor<N, Q, C>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        Taylor::combination(self.0)
     }
 }

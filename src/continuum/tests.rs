@@ -420,7 +420,7 @@ fn images_are_within_their_models() {
                         }
                         for column in 0..MAX_INTRINSICS {
                             let zero = taylor::Taylor::constant(0.0);
-                            let model = image.by_intrinsics[row][column].as_ref().unwrap_or(&zero);
+                            let model = image.by_intrinsics[row][column].as_deref().unwrap_or(&zero);
                             near(model, projection.by_intrinsics[(row, column)], "by intrinsics");
                         }
                     }
