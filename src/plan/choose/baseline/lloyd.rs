@@ -60,6 +60,7 @@ pub(super) fn rounds(points: &Points, mut centres: Centres) -> (Centres, Vec<Bou
             members.take(from, points.point(point));
             members.put(to, points.point(point));
         }
+        leave_behind(points, &changes, &members, &mut centres);
         if changes.is_empty() && members.exact {
             break;
         }
@@ -197,6 +198,21 @@ fn to_means(members: &Clusters, centres: &mut Centres) -> Vec<f64> {
         }
     }
     moves
+}
+
+/// Puts the centres whose last points have just left to the exact means of these, for they stay there: the sums that they had moved by
+/// are kept up with rounding.
+fn leave_behind(points: &Points, changes: &[Change], members: &Clusters, centres: &mut Centres) {
+    let mut emptied: Vec<usize> =
+        changes.iter().map(|change| change.from).filter(|&c| members.counts[c] == 0).collect();
+    emptied.sort_unstable();
+    emptied.dedup();
+    for c in emptied {
+        let last: Vec<&[f64]> =
+            changes.iter().filter(|change| change.from == c).map(|x| points.point(x.point)).collect();
+        let mean = |i: usize| last.iter().map(|point| point[i]).sum::<f64>() / last.len() as f64;
+        centres.put(c, &(0..members.width).map(mean).collect::<Vec<_>>());
+    }
 }
 
 #[cfg(test)]
