@@ -25,6 +25,8 @@ pub(super) enum Found {
         widest: usize,
         /// At least the score at the centre, if that is a view.
         at_centre: f64,
+        /// Whether it is so small that its halves' bounds would hardly be less.
+        is_finest: bool,
     },
 }
 

@@ -4,7 +4,8 @@
 //! the joint values q are not those of a grid but all of them. Branch and bound halves boxes of joint values, best bound first;
 //! over each, the score is enclosed by its Taylor polynomial of third order and a remainder of fourth (`taylor`), and boxes
 //! from which the board is certainly not seen are left out (`sight`). Collision, occlusion and stability are not looked at:
-//! without them there are more views, and the bound holds all the more.
+//! without them there are more views, and the bound holds all the more. Where poses are kept apart, a set has one view at most of a
+//! ball of pictures (`pictures`), and what it scores less there may be paid for once.
 //!
 //! ```text
 //!     twist: joints → points in C      image: points → pixels, derivatives      score: all corners → g ≥ s
@@ -13,6 +14,7 @@
 mod cell;
 mod frustum;
 mod image;
+mod pictures;
 mod quadratic;
 mod score;
 mod search;
@@ -27,7 +29,10 @@ use std::ops::ControlFlow;
 use nalgebra::{DMatrix, DVector, Point3};
 use thiserror::Error;
 
+pub use pictures::PictureBall;
+
 use cell::{Cell, Found, MOST_JOINTS};
+use pictures::Balls;
 use quadratic::Quadratic;
 use score::{Counting, Group, Outcome, groups, score};
 use sight::Sight;
@@ -65,6 +70,7 @@ pub struct Setting<'a> {
 pub struct Continuum<'a> {
     scored: Vec<Scored<'a>>,
     ranges: Vec<Limits>,
+    balls: Vec<PictureBall>,
 }
 
 /// A setting, prepared.
@@ -95,7 +101,7 @@ impl Default for ContinuumSettings {
 /// How a search ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ContinuumEnd {
-    /// The bound is within the tolerance.
+    /// The bound is within the tolerance, or that of joint values that are all but allowed.
     Closed,
     /// As many boxes as allowed were looked at.
     BoxLimit,
@@ -154,6 +160,10 @@ const EIGENVALUE_ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// them farther, all but a few are halved in any case.
 const WORTH: f64 = 0.12;
 
+/// How little a box may move them for its bound to stand as it is: some hundredth of a pixel. Where limits that only just allow it leave a
+/// corner of the greatest score, no view may be near enough to be found.
+const FINEST: f64 = 1e-5;
+
 impl<'a> Continuum<'a> {
     /// The sum of the scores in several settings of one arm, by a Y (packed, as the measurement's matrices) each. Views are those
     /// of the first.
@@ -171,7 +181,13 @@ impl<'a> Continuum<'a> {
             return Err(Unsupported::Joints { joints });
         }
         let scored = settings.into_iter().map(|(setting, y)| Scored::new(setting, y)).collect();
-        Ok(Self { scored, ranges })
+        Ok(Self { scored, ranges, balls: Vec::new() })
+    }
+
+    /// The scores less the prices of the balls that pictures, in the first of the settings, are in.
+    #[must_use]
+    pub fn less(self, balls: Vec<PictureBall>) -> Self {
+        Self { balls, ..self }
     }
 
     /// Bounds the greatest score from above, within a tolerance of `known`, the score of some view, or of a better view on the
@@ -211,6 +227,7 @@ impl<'a> Continuum<'a> {
         let mut sum = Quadratic { c: 0.0, l: [0.0; N], q: [0.0; Q], r: 0.0 };
         let mut moves = [0.0; N];
         let mut limits = Vec::new();
+        let mut balls = Balls::NONE;
         for (i, scored) in self.scored.iter().enumerate() {
             let Setting { robot, target, .. } = scored.setting;
             let kinematics = Kinematics::new(robot, &target.X_BT, &centre, &half);
@@ -223,29 +240,36 @@ impl<'a> Continuum<'a> {
             if i == 0 {
                 moves = scored.moves::<N, Q, C>(&kinematics);
             }
-            let too_large = Found::Bound { bound: f64::INFINITY, widest: widest(&moves), at_centre: f64::NEG_INFINITY };
             if moves.iter().sum::<f64>() > WORTH {
-                return too_large;
+                return unbounded(&moves);
             }
             match scored.score::<N, Q, C>(&kinematics) {
                 Outcome::Empty if i == 0 => return Found::Empty,
                 Outcome::Empty => {}
-                Outcome::TooLarge => return too_large,
+                Outcome::TooLarge => return unbounded(&moves),
                 Outcome::Score(scores) => {
                     sum = sum.plus(1.0, &scores.score);
                     if i == 0 {
                         limits = scored.sight.limits::<N, Q, C>(&kinematics);
                         limits.extend(scores.inside);
+                        balls = scored.balls::<N, Q, C>(&self.balls, &kinematics);
                     }
                 }
             }
         }
-        let bound = sum.greatest_within(&limits);
+        let bound = balls.greatest(&sum, &mut limits);
         if bound.is_nan() {
-            return Found::Bound { bound: f64::INFINITY, widest: widest(&moves), at_centre: f64::NEG_INFINITY };
+            return unbounded(&moves);
         }
-        Found::Bound { bound, widest: sum.widest(&moves), at_centre: sum.c + sum.r }
+        let is_finest = bound.is_finite() && moves.iter().sum::<f64>() < FINEST;
+        Found::Bound { bound, widest: sum.widest(&moves), at_centre: sum.c + sum.r, is_finest }
     }
+}
+
+/// A box of which nothing is bounded.
+fn unbounded<const N: usize>(moves: &[f64; N]) -> Found {
+    let (bound, at_centre) = (f64::INFINITY, f64::NEG_INFINITY);
+    Found::Bound { bound, widest: widest(moves), at_centre, is_finest: false }
 }
 
 impl<'a> Scored<'a> {
@@ -269,6 +293,15 @@ impl<'a> Scored<'a> {
             &self.root,
             kinematics,
         )
+    }
+
+    fn balls<const N: usize, const Q: usize, const C: usize>(
+        &self,
+        balls: &[PictureBall],
+        kinematics: &Kinematics,
+    ) -> Balls<N, Q> {
+        let Setting { target, measurement, .. } = &self.setting;
+        Balls::new::<C>(balls, measurement.unknowns.camera, &target.board, kinematics)
     }
 
     /// How far each joint moves the board in the picture, roughly, as a share of its distance.

@@ -168,15 +168,7 @@ pub(super) fn score<const N: usize, const Q: usize, const C: usize>(
         weighted.add(&S[2], &yy);
         sum = &sum + &weighted.sum();
     }
-    let first = |lanes: Lanes| Lanes::all(lanes.sum());
-    let all = Taylor::new(
-        first(sum.c),
-        sum.l.map(first),
-        sum.q.map(first),
-        sum.t.map(first),
-        first(sum.norm() * 1e-13 + sum.r),
-    );
-    let score = Quadratic::of(&all.scaled(measurement.scale()), 0);
+    let score = Quadratic::of(&sum.over_lanes().scaled(measurement.scale()), 0);
     Outcome::Score(Box::new(Scores { score, inside: inside.into_iter().filter_map(|(_, inside)| inside).collect() }))
 }
 

@@ -21,10 +21,12 @@ pub(super) fn greatest(
     let mut found = known;
     // Boxes with the joint whose range is halved next; of those without a bound the largest come first.
     let mut queue = BestFirst::new(f64::INFINITY, (continuum.whole(), 0));
+    // The greatest bound of boxes that are not halved any more.
+    let mut finest = f64::NEG_INFINITY;
     let mut boxes = 1;
     let end = loop {
-        let threshold = (1.0 + settings.tolerance) * found;
-        let bound = queue.bound().map_or(found, |bound| bound.max(found));
+        let threshold = ((1.0 + settings.tolerance) * found).max(finest);
+        let bound = queue.bound().unwrap_or(found).max(found).max(finest);
         if bound <= threshold {
             break ContinuumEnd::Closed;
         }
@@ -49,7 +51,7 @@ pub(super) fn greatest(
             .collect();
         boxes += results.len();
         for (cell, parent, result) in results {
-            let Found::Bound { bound, widest, at_centre } = result else { continue };
+            let Found::Bound { bound, widest, at_centre, is_finest } = result else { continue };
             // What holds of the whole holds of the half.
             let bound = bound.min(parent);
             if bound <= found {
@@ -60,10 +62,14 @@ pub(super) fn greatest(
             {
                 found = found.max(score);
             }
-            queue.push(bound, (cell, widest));
+            if is_finest {
+                finest = finest.max(bound);
+            } else {
+                queue.push(bound, (cell, widest));
+            }
         }
     };
-    Greatest { bound: queue.bound().map_or(found, |bound| bound.max(found)), found, boxes, end }
+    Greatest { bound: queue.bound().unwrap_or(found).max(found).max(finest), found, boxes, end }
 }
 
 /// Whether no box holds a view that scores more than `most`, depth first.

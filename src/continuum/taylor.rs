@@ -185,6 +185,13 @@ impl<const N: usize, const Q: usize, const C: usize> Taylor<N, Q, C> {
         (fourth + first) * (1.0 + ROUNDING) + self.norm() * other.norm() * ROUNDING
     }
 
+    /// The sum of the four, in every lane.
+    pub(super) fn over_lanes(&self) -> Self {
+        let sum = |lanes: Lanes| Lanes::all(lanes.sum());
+        let r = sum(self.norm() * ROUNDING + self.r);
+        Self::new(sum(self.c), self.l.map(sum), self.q.map(sum), self.t.map(sum), r)
+    }
+
     /// Less the products with affine functions that are the same in all four.
     #[inline(always)]
     fn minus_products<const M: usize>(&self, of: &[Self; M], with: &[Affine<N>; M]) -> Self {

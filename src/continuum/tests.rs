@@ -203,6 +203,57 @@ fn hold(problem: &Stated, boxes: usize, draws: usize, half_deg: [f64; 2], seed: 
     (sum / bounded.max(1) as f64, bounded)
 }
 
+/// Scores less the prices of balls of pictures, some of which hold a box and some of which end in it.
+#[test]
+fn no_view_scores_more_less_its_prices() {
+    let random = &mut Xoshiro256PlusPlus::seed_from_u64(11);
+    let problem = servosila();
+    let views = problem.views(40);
+    let y = random_y(&problem, random, &views);
+    let scorer = Scorer::new(&problem, &y);
+    let picture = |q: &[f64]| {
+        let view = scorer.checks.view(0, q).ok()?;
+        Some(view.picture(&problem.camera, &problem.target.board))
+    };
+    let (mut held, mut ended, mut looser) = (0, 0, 0);
+    for q in &views {
+        let score = scorer.score(q).unwrap();
+        let ranges = around(q, [(); 4].map(|()| random.gen_range(0.02..0.6)));
+        let ball = |q: &[f64], radius: f64, share: f64| PictureBall {
+            centre: picture(q).unwrap(),
+            radius,
+            price: share * score,
+        };
+        let aside: Vec<f64> = q.iter().map(|q| q + random.gen_range(-0.01..0.01)).collect();
+        let aside = if picture(&aside).is_some() { aside } else { q.clone() };
+        let balls = vec![
+            ball(q, random.gen_range(1.0..30.0), 0.3),
+            ball(&aside, random.gen_range(1.0..30.0), 0.2),
+            ball(&aside, 1.0, 0.1),
+        ];
+        let unpriced = Continuum::new(vec![(problem.setting(), &y)], problem.ranges()).unwrap();
+        let priced = unpriced.clone().less(balls.clone());
+        let of = |continuum: &Continuum| match continuum.examine(&Cell::new(&ranges)) {
+            Found::Bound { bound, .. } => bound,
+            Found::Empty => panic!("{q:?} is in it"),
+        };
+        let (bound, without) = (of(&priced), of(&unpriced));
+        let [mut inside, mut outside] = [0; 2];
+        for _ in 0..300 {
+            let q: Vec<f64> = ranges.iter().map(|limits| random.gen_range(limits.min..=limits.max)).collect();
+            let Some(score) = scorer.score(&q) else { continue };
+            let picture = picture(&q).unwrap();
+            let less = score - PictureBall::price_of(&balls, &picture);
+            assert!(less <= bound && bound <= without * (1.0 + 1e-9), "{less} {bound} {without}");
+            *(if balls[0].contains(&picture) { &mut inside } else { &mut outside }) += 1;
+        }
+        held += usize::from(outside == 0 && bound < without - 0.29 * score);
+        ended += usize::from(inside > 0 && outside > 0);
+        looser += usize::from(outside == 0 && bound > without - 0.01 * score);
+    }
+    assert!(held > 5 && ended > 5 && looser < held, "{held} {ended} {looser}");
+}
+
 /// The Servosila with another lens.
 fn with_lens(lens: Lens) -> Stated {
     let mut problem = servosila();

@@ -23,4 +23,5 @@ pub use shortfall::{Measures, Sighting, VisibilityTest};
 pub(crate) use stability::convex_hull;
 pub use stability::{Stability, StabilityError};
 pub use views::{Checks, View, feasible_views};
+pub(crate) use views::{half_focal, outer_corners, picture};
 pub use visibility::{MARKER_MARGIN, VisibilityLimits, told_in_image};

@@ -48,13 +48,7 @@ impl View {
     /// The board in the picture: the directions of its four outer corners, each times half the focal length, 12 numbers in px. Of two
     /// views they are as far apart as the corners' images, in the root mean square over the corners, as long as that is little.
     pub fn picture(&self, camera: &Camera, board: &Board) -> [f64; 12] {
-        let (width, height) = board.printed_size();
-        let half_focal = 0.25 * (camera.intrinsics()[0] + camera.intrinsics()[1]);
-        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| {
-            let corner = self.X_CT * Point3::new(0.5 * x * width, 0.5 * y * height, 0.0);
-            corner.coords.normalize() * half_focal
-        });
-        std::array::from_fn(|i| corners[i / 3][i % 3])
+        picture(&self.X_CT, camera, board)
     }
 
     /// Where the optical axis meets the target's plane.
@@ -69,6 +63,24 @@ impl View {
         let t = normal_C.dot(&self.X_CT.translation.vector) / normal_C.z;
         (t.is_finite() && t > 0.0).then(|| self.X_BC * Point3::new(0.0, 0.0, t))
     }
+}
+
+/// The [picture](View::picture) of a board at `X_CT`.
+pub(crate) fn picture(X_CT: &Pose, camera: &Camera, board: &Board) -> [f64; 12] {
+    let directions = outer_corners(board).map(|corner| (X_CT * corner).coords.normalize() * half_focal(camera));
+    std::array::from_fn(|i| directions[i / 3][i % 3])
+}
+
+/// Those of the printed area, in T.
+pub(crate) fn outer_corners(board: &Board) -> [Point3<f64>; 4] {
+    let (width, height) = board.printed_size();
+    let corner = |(x, y)| Point3::new(0.5 * x * width, 0.5 * y * height, 0.0);
+    [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(corner)
+}
+
+/// Half the mean focal length, px: directions times this are as far apart, all four together, as their images in the root mean square.
+pub(crate) fn half_focal(camera: &Camera) -> f64 {
+    0.25 * (camera.intrinsics()[0] + camera.intrinsics()[1])
 }
 
 /// The tests that make a candidate a view, prepared for one robot, camera and board.

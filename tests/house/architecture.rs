@@ -139,7 +139,10 @@ const ROOMS: [(&str, &[&str]); 53] = [
     ("export::ros", &["yaml", "goals", "joint_trajectory", "moveit_calibration", "robot_calibration"]),
     ("export::languages", &["axes", "urscript", "rapid", "krl", "fanuc_ls"]),
     ("motion::tour", &["costs", "bound", "circuit", "cycle", "exact", "search"]),
-    ("continuum", &["taylor", "twist", "quadratic", "image", "frustum", "sight", "score", "cell", "search"]),
+    (
+        "continuum",
+        &["taylor", "twist", "quadratic", "image", "frustum", "sight", "score", "pictures", "cell", "search"],
+    ),
     (
         "calibration",
         &[
@@ -228,6 +231,7 @@ const ROOMS: [(&str, &[&str]); 53] = [
             "chooser",
             "refined_survey",
             "off_grid",
+            "dual",
             "continuum",
             "tours",
             "plan_survey",

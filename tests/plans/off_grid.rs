@@ -277,6 +277,49 @@ fn all_joint_values_are_bounded_and_certified() {
     }
 }
 
+/// What scores less in balls of pictures is paid for once.
+#[test]
+fn pictures_that_are_kept_apart_are_bounded_and_certified() {
+    let problem = narrow(&["selection.continuum_boxes=200000", "constraints.picture_separation_px=8"]);
+    let survey = plan_survey(&problem, &|_| {}).unwrap();
+    let chooser = Chooser::new(&problem, &survey).unwrap();
+    let decision = decide(&chooser, &mut |_| ControlFlow::Continue(())).unwrap();
+    let bound = chooser.continuum(&decision.choice, &decision.certificate, &mut |_| ControlFlow::Continue(()));
+    let bound = bound.unwrap().unwrap();
+    let plan = Plan::new(&chooser, &decision).unwrap().within_continuum(&chooser, &decision, &bound);
+    let plan = Plan::from_json(&plan.to_json()).unwrap();
+    let continuum = plan.certificate.continuum.clone().unwrap();
+    assert!(continuum.balls.len() > 1 && continuum.end == "closed", "{continuum:?}");
+    // Of poses that may repeat, the bound says less.
+    let free = narrow(&["selection.continuum_boxes=200000", "constraints.picture_separation_px=0"]);
+    let free_survey = plan_survey(&free, &|_| {}).unwrap();
+    let free_chooser = Chooser::new(&free, &free_survey).unwrap();
+    let free_decision = decide(&free_chooser, &mut |_| ControlFlow::Continue(())).unwrap();
+    let repeated =
+        free_chooser.continuum(&free_decision.choice, &free_decision.certificate, &mut |_| ControlFlow::Continue(()));
+    let gain = repeated.unwrap().unwrap().log_bound - bound.log_bound;
+    assert!(gain > 0.01, "{gain}");
+    certify(&plan, &problem, &survey).unwrap();
+    let refused = |change: &dyn Fn(&mut ContinuumDocument)| {
+        let (mut changed, mut document) = (plan.clone(), continuum.clone());
+        change(&mut document);
+        changed.certificate.continuum = Some(document);
+        certify(&changed, &problem, &survey).unwrap_err()
+    };
+    refused(&|document| document.balls[0].price *= 1.001);
+    refused(&|document| document.balls[0].price *= -1.0);
+    refused(&|document| document.balls.swap(0, 1));
+    refused(&|document| drop(document.balls.pop()));
+    refused(&|document| document.balls[0].between_rad[0].push(0.0));
+    refused(&|document| {
+        let ball = document.balls[0].clone();
+        document.balls.insert(0, ball);
+    });
+    // Elsewhere it fits itself, but views score more there.
+    let moved = refused(&|document| document.balls.iter_mut().for_each(|ball| ball.between_rad[1][3] += 0.05));
+    assert!(matches!(moved, CertifyError::Continuum { .. }), "{moved}");
+}
+
 /// A claim that fits itself, of a score that some views exceed.
 #[test]
 fn a_score_that_views_exceed_is_not_certified() {

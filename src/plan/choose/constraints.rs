@@ -86,6 +86,13 @@ pub(crate) fn constraints(problem: &Problem, survey: &Survey) -> Result<Constrai
     Ok(Constraints { required: indices, forbidden, caps, separations })
 }
 
+/// The place of that of the pictures among the separations in force, which are in the order joint, view, picture.
+pub(super) fn place_of_pictures(problem: &Problem) -> Option<usize> {
+    let PoseConstraints { joint_separation, view_separation, .. } = &problem.constraints;
+    let before = [*joint_separation, *view_separation].iter().filter(|&&least| least > 0.0).count();
+    (problem.picture_separation() > 0.0).then_some(before)
+}
+
 /// Of the views' points.
 fn separation<P: AsRef<[f64]>>(views: &[View], point: impl Fn(&View) -> P + Sync, least: f64) -> Separation {
     let dimension = views.first().map_or(0, |view| point(view).as_ref().len());

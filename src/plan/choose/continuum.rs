@@ -1,22 +1,17 @@
 //! The bound over all joint values.
 
 use std::ops::ControlFlow;
-use std::sync::Arc;
 
 use super::choice::Choice;
 use super::chooser::Chooser;
+use super::dual::Dual;
 use super::error::PlanError;
-use super::off_grid::LocalSearch;
-use crate::continuum::{ContinuumEnd, ContinuumProgress, Greatest};
+use super::off_grid::{Candidate, LocalSearch};
+use crate::continuum::{ContinuumEnd, ContinuumProgress, Greatest, PictureBall};
+use crate::plan::survey::PricedPictures;
 use crate::problem::Goal;
 use crate::selection::packed::dot;
-use crate::selection::{Certificate, Gradient, RelaxationSettings, relax};
-
-/// Views of the greatest scores among which the matrices of the bound are sought, beside those off the grid.
-const COLUMNS: usize = 60;
-
-/// Gap of the relaxation on them.
-const GAP: f64 = 1e-6;
+use crate::selection::{Certificate, Gradient};
 
 /// Allowance for the rounding of the polar function, the logarithms and the sum.
 const ROUNDING: f64 = 1e-12;
@@ -28,7 +23,9 @@ pub struct ContinuumCertificate {
     pub count: usize,
     /// Y ⪰ 0, packed, term after term, and the mixture of a worst variance.
     pub gradient: Gradient,
-    /// `⟨Y, M(q)⟩` of no view exceeds it.
+    /// Balls of pictures, of which a set has one view each at most, and their prices; in an order of their own.
+    pub balls: Vec<PricedPictures>,
+    /// `⟨Y, M(q)⟩` less the prices of the balls that it is in of no view exceeds it.
     pub score: f64,
     /// No set of as many poses has a greater log Φ.
     pub log_bound: f64,
@@ -41,10 +38,10 @@ pub struct ContinuumCertificate {
 }
 
 impl Chooser<'_> {
-    /// Bounds all sets of poses at any joint values, repeated poses included: of as many as `choice` has, or of one less where as few
-    /// as possible are asked for. `certificate` is that of the survey's views. None where no pose leaves the grid, no boxes are
-    /// allowed or too few for a bound, the number of poses is not given, a criterion is not of the intrinsics, or the arm has too many joints. `observe` may end it,
-    /// and the bound reached by then holds.
+    /// Bounds all sets of poses at any joint values whose pictures are far enough apart: of as many as `choice` has, or of one less
+    /// where as few as possible are asked for. `certificate` is that of the survey's views. None where no pose leaves the grid, no boxes
+    /// are allowed or too few for a bound, the number of poses is not given, a criterion is not of the intrinsics, or the arm has too
+    /// many joints. `observe` may end it, and the bound reached by then holds.
     ///
     /// # Errors
     /// As [`Chooser::best`].
@@ -66,36 +63,34 @@ impl Chooser<'_> {
             return Ok(None);
         }
         let instance = self.instance(count)?;
-        let scores = instance.scores(&certificate.y);
-        let off_grid = survey.views.len() - survey.off_grid;
-        let mut places: Vec<usize> = (0..scores.len()).filter(|&i| instance.is_open(i)).collect();
-        places.sort_unstable_by(|&a, &b| scores[b].total_cmp(&scores[a]).then(a.cmp(&b)));
-        places.truncate(COLUMNS);
-        places.extend((off_grid..survey.views.len()).chain(choice.selected.iter().copied()));
-        places.sort_unstable();
-        places.dedup();
-        // Poses may repeat: weights that add up to one, on `count` times the information.
-        let search = LocalSearch::new(problem, survey, objective);
-        let matrices = places.iter().filter_map(|&i| Some(search.candidate(&survey.views[i])?.information));
-        let repeated = objective.on(&matrices.collect::<Vec<_>>()).known_share(1.0 / count as f64);
-        let relaxed = repeated.instance(1, &Arc::default()).map_err(|error| self.explain(error))?;
-        let all: Vec<usize> = (0..relaxed.len()).collect();
-        let fine = RelaxationSettings { tolerance: GAP, ..RelaxationSettings::default() };
-        let relaxation = relax(&relaxed, &all, &fine).map_err(|error| self.explain(error))?;
-        let Certificate { y, mixture, .. } = relaxation.certificate;
-        let gradient = Gradient { y, mixture };
+        let mut dual = Dual::repeated(self, choice, certificate, count)?;
+        if problem.picture_separation() > 0.0 {
+            let progress = ContinuumProgress { bound: f64::INFINITY, found: dual.score, boxes: 0 };
+            let separated = Dual::separated(self, certificate, count, &mut || observe(&progress).is_continue())?;
+            let bound = |dual: &Dual| dual.log_bound(&instance, count, dual.score);
+            if let Some(separated) = separated.filter(|separated| bound(separated) < bound(&dual)) {
+                dual = separated;
+            }
+        }
+        dual.balls = PricedPictures::merged(dual.balls);
 
-        let Some(on_measured) = objective.on_measured(&gradient.y) else { return Ok(None) };
-        let Ok(continuum) = survey.continuum(problem, &on_measured) else { return Ok(None) };
-        let dual = instance.dual(&gradient.y);
-        let score = |q: &[f64]| search.look(0, q, &[]).map(|found| dot(&found.information, &dual));
-        let known = instance.scores(&gradient.y).into_iter().fold(0.0, f64::max);
-        let Greatest { bound, boxes, end, .. } = continuum.greatest(known, &settings, &score, observe);
-        let log_bound = (dot(&instance.prior(), &dual) + count as f64 * bound).ln() + ROUNDING;
-        let log_bound = log_bound - instance.log_polar(&gradient) + ROUNDING;
+        let Some(on_measured) = objective.on_measured(&dual.gradient.y) else { return Ok(None) };
+        let Ok(continuum) = survey.continuum(problem, &on_measured, &dual.balls) else { return Ok(None) };
+        let search = LocalSearch::new(problem, survey, objective);
+        let packed = instance.dual(&dual.gradient.y);
+        let balls: Vec<PictureBall> = dual.balls.iter().map(|ball| ball.ball(problem)).collect();
+        let score = |q: &[f64]| {
+            let Candidate { view, information } = search.look(0, q, &[])?;
+            let picture = view.picture(&problem.camera, &problem.target.board);
+            Some(dot(&information, &packed) - PictureBall::price_of(&balls, &picture))
+        };
+        let Greatest { bound, boxes, end, .. } = continuum.greatest(dual.score, &settings, &score, observe);
+        let log_bound = dual.log_bound(&instance, count, bound) + 2.0 * ROUNDING;
+        let Dual { gradient, balls, .. } = dual;
         let found = ContinuumCertificate {
             count,
             gradient,
+            balls,
             score: bound,
             log_bound,
             tolerance: settings.tolerance,

@@ -6,6 +6,7 @@ mod chooser;
 mod constraints;
 mod continuum;
 mod decide;
+mod dual;
 mod error;
 mod home;
 mod objective;

@@ -36,7 +36,7 @@ pub use kind::Kind;
 pub(crate) use plan::poses_csv;
 pub use plan::{
     AccuracyDocument, BallPrice, CertificateDocument, CertificateTerm, Certificates, CollisionDocument,
-    ContinuumDocument, FewestDocument, GaveWayDocument, GridPlan, Intrinsics, MoveDocument, PROVEN, Plan,
+    ContinuumDocument, FewestDocument, GaveWayDocument, GridPlan, Intrinsics, MoveDocument, PROVEN, PicturePrice, Plan,
     PlanReadError, PlannedPose, PlannedPoses, PolishedPlan, Pose, Price, RobustnessDocument, Run, RunProblem,
     RunSeconds, ScenarioDocument, SearchDocument, SeenView, SurveyCounts, TourDocument, TradeDocument, TrialDocument,
     UnweightedAccuracy, WorstLoss, joints_deg,

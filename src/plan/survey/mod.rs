@@ -10,6 +10,7 @@ mod smell;
 mod trial;
 
 pub use contacts::Contact;
+pub use continuum::PricedPictures;
 pub use diagnosis::{Diagnosis, Miss, Obstacle, diagnose};
 pub use listed::Excluded;
 pub(crate) use listed::{Joined, up_to_limits};

@@ -6,8 +6,8 @@ use super::error::CertifyError;
 use super::evidence::{Evidence, Rounded, Source};
 use super::function::ROUNDING;
 use super::{SAME, trusted};
-use crate::plan::document::{CertificateTerm, ContinuumDocument};
-use crate::plan::survey::Survey;
+use crate::plan::document::{CertificateTerm, ContinuumDocument, PicturePrice};
+use crate::plan::survey::{PricedPictures, Survey};
 
 /// Boxes that are bounded at most, for each that the plan says it took, and beside them: depth first takes other ones than best first.
 const BOXES: usize = 4;
@@ -32,6 +32,7 @@ impl Evidence<'_> {
             end,
             terms,
             mixture,
+            balls,
         } = stated;
         same("the number of poses that are bounded at all joint values", stated_count, &count)?;
         same("the tolerance of the bound at all joint values", tolerance, &self.problem.selection.continuum.tolerance)?;
@@ -43,7 +44,9 @@ impl Evidence<'_> {
             return Err(other("the end of the bound at all joint values", end, &ContinuumDocument::ENDS.join(" or ")));
         }
         let Matrices { given, log_polar: [least, greatest], .. } = self.matrices(terms, mixture)?;
-        let log = (given + count as f64 * score).ln() + 2.0 * ROUNDING - least;
+        let priced = self.pictures(balls)?;
+        let paid: f64 = priced.iter().map(|priced| priced.price).sum();
+        let log = (given + paid + count as f64 * score).ln() + 2.0 * ROUNDING - least;
         let bound = Rounded { log, uncertainty: greatest - least };
         trusted("the bound at all joint values", bound.uncertainty)?;
         self.equal("the bound at all joint values", *stated_bound, log, SAME + bound.uncertainty)?;
@@ -52,9 +55,33 @@ impl Evidence<'_> {
         // What takes longest comes last.
         let most = BOXES.saturating_mul(*boxes).saturating_add(MORE_BOXES);
         let on_measured = self.on_measured(terms).ok_or(CertifyError::Continuum { score: *score, boxes: 0 })?;
-        let continuum = survey.continuum(self.problem, &on_measured);
+        let continuum = survey.continuum(self.problem, &on_measured, &priced);
         let held = continuum.map(|continuum| continuum.holds(*score, most)).ok().filter(|held| held.is_proven);
         held.map_or(Err(CertifyError::Continuum { score: *score, boxes: most }), |_| Ok(bound))
+    }
+
+    /// The balls of pictures; refused where they are out of their order, or a price is none.
+    fn pictures(&self, balls: &[PicturePrice]) -> Result<Vec<PricedPictures>, CertifyError> {
+        let what = "a ball of pictures at all joint values";
+        let dof = self.problem.robot.chain.dof();
+        for PicturePrice { between_rad, price } in balls {
+            if !(price.is_finite() && *price > 0.0) {
+                return Err(other("a price at all joint values", price, "positive"));
+            }
+            if between_rad.iter().any(|q| q.len() != dof || q.iter().any(|q| !q.is_finite())) {
+                return Err(other(what, &format!("{between_rad:?}"), &format!("{dof} joint values, twice")));
+            }
+        }
+        if !balls.is_empty() && self.problem.picture_separation() == 0.0 {
+            return Err(other(what, &"one", "none, for pictures may be as near as they like"));
+        }
+        let priced: Vec<PricedPictures> = balls.iter().map(PicturePrice::priced).collect();
+        let is_in_order = priced.is_sorted_by(|a, b| a.in_order(b).is_lt());
+        let is_as_stated = balls.iter().zip(&priced).all(|(ball, priced)| ball.between_rad == priced.between);
+        if !is_in_order || !is_as_stated {
+            return Err(other("the balls of pictures at all joint values", &"out of order", "ascending, each once"));
+        }
+        Ok(priced)
     }
 
     /// Y on the information of what is estimated, packed, scenario by scenario; none where a criterion is of something else.

@@ -16,7 +16,7 @@ pub use pose::{PlannedPose, Pose, joints_deg};
 pub(crate) use pose::{joint_columns, poses_csv};
 pub use proof::{
     AccuracyDocument, BallPrice, CertificateDocument, CertificateTerm, Certificates, ContinuumDocument, FewestDocument,
-    Price, SearchDocument,
+    PicturePrice, Price, SearchDocument,
 };
 pub(in crate::plan::document) use reading::read;
 pub use reading::{PlanReadError, PlannedPoses};

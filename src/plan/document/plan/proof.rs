@@ -7,7 +7,7 @@ use crate::continuum::ContinuumEnd;
 use crate::feasibility::View;
 use crate::information::Criterion;
 use crate::plan::choose::{ContinuumCertificate, Objective, Reached, SearchSummary};
-use crate::plan::survey::Survey;
+use crate::plan::survey::{PricedPictures, Survey};
 use crate::problem::Goal;
 use crate::selection::packed::{packed_len, unpack};
 use crate::selection::{Certificate, Group, SearchEnd};
@@ -41,8 +41,8 @@ pub struct Certificates {
     pub continuum: Option<ContinuumDocument>,
 }
 
-/// The numbers that prove a bound on all sets of so many poses at any joint values, repeated poses included: k times the greatest
-/// score `Σ_t ⟨Y_t, M_t(q)⟩`.
+/// The numbers that prove a bound on all sets of so many poses at any joint values that keep the pictures apart: k times the greatest
+/// score `Σ_t ⟨Y_t, M_t(q)⟩` less the prices of the balls that the picture is in, and the prices.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ContinuumDocument {
     /// Number of poses of the sets: the plan's, or one less where as few as possible were asked for.
@@ -52,7 +52,7 @@ pub struct ContinuumDocument {
     /// The share of the best possible information of so many poses that the plan has at least; where one less is bounded, below 1 if
     /// they cannot suffice.
     pub efficiency: f64,
-    /// The score that no view exceeds, whatever its joint values.
+    /// The score, less prices, that no view exceeds, whatever its joint values.
     pub score: f64,
     /// Share by which it was to be known.
     pub tolerance: f64,
@@ -65,6 +65,10 @@ pub struct ContinuumDocument {
     /// For accuracies, the mixture λ of the names' variances that the bound is taken for.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub mixture: Vec<f64>,
+    /// Prices of balls of pictures, of which the separation of the pictures leaves a set no more than one view each; ascending by their
+    /// joint values.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub balls: Vec<PicturePrice>,
 }
 
 /// A criterion's part of a certificate.
@@ -98,6 +102,16 @@ pub struct BallPrice {
     pub separation: usize,
     /// The ids of the two views, ascending; the same twice where the ball is about one.
     pub between: [usize; 2],
+    /// Its price, at least 0.
+    pub price: f64,
+}
+
+/// The price of a ball of pictures at any joint values: those nearer than half the least distance of pictures to the point midway between
+/// those from two configurations.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct PicturePrice {
+    /// The joint values of the two, rad or m, ascending; the same twice where the ball is about one.
+    pub between_rad: [Vec<f64>; 2],
     /// Its price, at least 0.
     pub price: f64,
 }
@@ -222,7 +236,19 @@ impl ContinuumDocument {
             end: Self::ENDS[end].into(),
             terms: terms(objective, &certificate.gradient.y),
             mixture: certificate.gradient.mixture.clone(),
+            balls: certificate.balls.iter().map(PicturePrice::new).collect(),
         }
+    }
+}
+
+impl PicturePrice {
+    fn new(PricedPictures { between, price }: &PricedPictures) -> Self {
+        Self { between_rad: between.clone(), price: *price }
+    }
+
+    pub(crate) fn priced(&self) -> PricedPictures {
+        let Self { between_rad: [a, b], price } = self;
+        PricedPictures::new(a, b, *price)
     }
 }
 
