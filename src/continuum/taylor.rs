@@ -46,7 +46,7 @@ pub(super) struct Affine<const N: usize> {
 }
 
 /// Bounds the rounding of an operation on two models, as a share of the product or sum of their norms `|c| + Σ|l| + Σ|q| + r`: a
-/// coefficient is a sum of at most four products, a norm one of at most fifty terms.
+/// coefficient is a sum of at most four products, a norm one of at most fifty terms. Sums of a hundred such products are within it, too.
 pub(super) const ROUNDING: f64 = 1e-13;
 
 /// A function's Taylor coefficients at the centre of a range, and a bound of the fourth over the range.

@@ -17,6 +17,12 @@ pub enum Group {
     },
 }
 
+impl Group {
+    /// Of a ball, as a share of the least distance: a little smaller than half, so that rounding never joins two points that do not
+    /// conflict.
+    pub(crate) const RADIUS: f64 = 0.5 * (1.0 - 1e-9);
+}
+
 impl fmt::Display for Group {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {

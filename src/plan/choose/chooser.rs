@@ -17,8 +17,8 @@ use crate::problem::{Accuracy, Goal, Method, Problem};
 use crate::selection::packed::{pack, packed_len, unpack};
 use crate::selection::{
     Best, Certificate, Fewest, InformationFunction, Instance, NotEnough, RelaxationSettings, Rules, Search,
-    SearchProgress, SelectionError, best, best_from_known, fewest, greedy, improved_greedy, relax_from_greedy, search,
-    start_of_search,
+    SearchProgress, SelectionError, best, best_from_known, fewest, greedy, highest, improved_greedy, relax_from_greedy,
+    search, start_of_search,
 };
 
 /// Chooses from one survey.
@@ -234,20 +234,19 @@ impl<'a> Chooser<'a> {
         Ok(relaxation.certificate)
     }
 
-    /// The survey of those views alone that score most by a certificate for choices of `count` poses, `most` at most, and of those
-    /// that the constraints require.
+    /// The survey of those swept views alone that score most by a certificate for choices of `count` poses, `most` at most, and of
+    /// those that the constraints require.
     ///
     /// # Errors
     /// As [`Chooser::best`].
     pub(super) fn highest(&self, certificate: &Certificate, count: usize, most: usize) -> Result<Survey, PlanError> {
         let instance = self.instance(count)?;
         let scores = instance.scores(&certificate.y);
-        let mut highest: Vec<usize> = (0..scores.len()).filter(|&i| instance.is_open(i)).collect();
-        highest.sort_unstable_by(|&a, &b| scores[b].total_cmp(&scores[a]).then(a.cmp(&b)));
-        highest.truncate(most);
-        highest.extend(instance.required());
-        highest.sort_unstable();
-        Ok(self.survey.only(&highest))
+        let swept = self.survey.views.len() - self.survey.off_grid;
+        let mut places = highest(&scores, (0..swept).filter(|&i| instance.is_open(i)), most);
+        places.extend(instance.required());
+        places.sort_unstable();
+        Ok(self.survey.only(&places))
     }
 
     /// `count` poses chosen by `method`; [`Method::Exact`] as [`Method::Best`], for its search wants an observer.

@@ -15,10 +15,10 @@ use super::error::PlanError;
 use super::off_grid::{Candidate, LocalSearch};
 use crate::continuum::PictureBall;
 use crate::feasibility::View;
-use crate::plan::survey::{PricedPictures, Survey};
+use crate::plan::survey::PricedPictures;
 use crate::problem::Problem;
 use crate::selection::packed::dot;
-use crate::selection::{Certificate, Gradient, Group, Instance, RelaxationSettings, relax};
+use crate::selection::{Certificate, Gradient, Group, Instance, RelaxationSettings, highest, relax};
 
 /// Views of the greatest scores among which it is sought, beside those off the grid: where poses may repeat, and where not.
 const COLUMNS: usize = 60;
@@ -69,9 +69,7 @@ impl Dual {
         let instance = chooser.instance(count)?;
         let scores = instance.scores(&certificate.y);
         let off_grid = survey.views.len() - survey.off_grid;
-        let mut places: Vec<usize> = (0..scores.len()).filter(|&i| instance.is_open(i)).collect();
-        places.sort_unstable_by(|&a, &b| scores[b].total_cmp(&scores[a]).then(a.cmp(&b)));
-        places.truncate(COLUMNS);
+        let mut places = highest(&scores, (0..scores.len()).filter(|&i| instance.is_open(i)), COLUMNS);
         places.extend((off_grid..survey.views.len()).chain(choice.selected.iter().copied()));
         places.sort_unstable();
         places.dedup();
@@ -97,7 +95,7 @@ impl Dual {
         goes_on: &mut dyn FnMut() -> bool,
     ) -> Result<Option<Self>, PlanError> {
         let (problem, all) = (chooser.problem(), chooser.survey());
-        let mut survey = swept(chooser, certificate, count)?;
+        let mut survey = chooser.highest(certificate, count, SEPARATED_COLUMNS)?;
         survey.add_off_grid(problem, &all.off_grid_views().iter().map(|view| view.q.clone()).collect::<Vec<_>>())?;
         let (mut best, mut least, mut vain) = (None, f64::INFINITY, 0);
         for _ in 0..ROUNDS {
@@ -109,7 +107,7 @@ impl Dual {
             let instance = chooser.instance(count)?;
             let round = Round::new(&chooser, &instance, certificate, count);
             let found = round.climbed(&chooser, &instance);
-            let score = found.first().map_or(round.level, |(score, _)| score.max(round.level));
+            let score = found.first().map_or(round.level, |(score, _)| *score);
             let dual = Self { gradient: round.gradient, balls: round.balls, score };
             let bound = dual.log_bound(&instance, count, score);
             if bound < least {
@@ -127,19 +125,6 @@ impl Dual {
     }
 }
 
-/// The survey of those swept views that score most, and of those that the constraints require.
-fn swept(chooser: &Chooser, certificate: &Certificate, count: usize) -> Result<Survey, PlanError> {
-    let instance = chooser.instance(count)?;
-    let swept = chooser.survey().views.len() - chooser.survey().off_grid;
-    let scores = instance.scores(&certificate.y);
-    let mut places: Vec<usize> = (0..swept).filter(|&i| instance.is_open(i)).collect();
-    places.sort_unstable_by(|&a, &b| scores[b].total_cmp(&scores[a]).then(a.cmp(&b)));
-    places.truncate(SEPARATED_COLUMNS);
-    places.extend(instance.required());
-    places.sort_unstable();
-    Ok(chooser.survey().only(&places))
-}
-
 /// A relaxation's prices.
 struct Round {
     gradient: Gradient,
@@ -148,7 +133,7 @@ struct Round {
     prepared: Vec<PictureBall>,
     /// Scores less prices, descending, with the views' places.
     reduced: Vec<(f64, usize)>,
-    /// No view of the relaxation scores more, less prices.
+    /// No view of the relaxation scores more, less prices and its own ball's.
     level: f64,
 }
 

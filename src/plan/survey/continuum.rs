@@ -7,6 +7,7 @@ use crate::continuum::{Continuum, PictureBall, Setting, Unsupported};
 use crate::feasibility::picture;
 use crate::problem::Problem;
 use crate::robot::Limits;
+use crate::selection::Group;
 use crate::sweep::AxisRule;
 
 /// Rounding of joint values, rad or m.
@@ -24,19 +25,19 @@ pub struct PricedPictures {
 
 impl PricedPictures {
     pub(crate) fn new(a: &[f64], b: &[f64], price: f64) -> Self {
-        let (a, b) = if in_order(a, b).is_gt() { (b, a) } else { (a, b) };
+        let (a, b) = if by_numbers(a, b).is_gt() { (b, a) } else { (a, b) };
         Self { between: [a.to_vec(), b.to_vec()], price }
     }
 
     /// By the former of the configurations, then by the latter.
-    pub(crate) fn in_order(&self, other: &Self) -> Ordering {
-        let [a, b] = [0, 1].map(|end| in_order(&self.between[end], &other.between[end]));
+    pub(crate) fn by_joints(&self, other: &Self) -> Ordering {
+        let [a, b] = [0, 1].map(|end| by_numbers(&self.between[end], &other.between[end]));
         a.then(b)
     }
 
     /// Each once, in their order.
     pub(crate) fn merged(mut all: Vec<Self>) -> Vec<Self> {
-        all.sort_by(Self::in_order);
+        all.sort_by(Self::by_joints);
         all.dedup_by(|next, kept| {
             let is_same = kept.between == next.between;
             kept.price += if is_same { next.price } else { 0.0 };
@@ -50,14 +51,13 @@ impl PricedPictures {
         let Problem { robot, camera, target, .. } = problem;
         let of = |q: &[f64]| picture(&(robot.camera_pose(q).inverse() * target.X_BT), camera, &target.board);
         let [a, b] = self.between.each_ref().map(|q| of(q));
-        // A little smaller than exact, so that rounding never joins two pictures that are far enough apart.
-        let radius = 0.5 * problem.picture_separation() * (1.0 - 1e-9);
+        let radius = Group::RADIUS * problem.picture_separation();
         PictureBall { centre: std::array::from_fn(|i| 0.5 * (a[i] + b[i])), radius, price: self.price }
     }
 }
 
 /// By the first number that differs.
-fn in_order(a: &[f64], b: &[f64]) -> Ordering {
+fn by_numbers(a: &[f64], b: &[f64]) -> Ordering {
     let differing = a.iter().zip(b).map(|(a, b)| a.total_cmp(b)).find(|order| order.is_ne());
     differing.unwrap_or(Ordering::Equal)
 }

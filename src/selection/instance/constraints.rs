@@ -74,8 +74,7 @@ impl Separation {
     /// The ball midway between two candidates.
     fn ball(&self, [a, b]: [usize; 2]) -> Ball {
         let centre = self.point(a).iter().zip(self.point(b)).map(|(a, b)| 0.5 * (a + b)).collect();
-        // A little smaller than exact, so that rounding never joins two points that do not conflict.
-        Ball { centre, radius: 0.5 * self.least * (1.0 - 1e-9) }
+        Ball { centre, radius: Group::RADIUS * self.least }
     }
 
     /// The separation of some candidates alone.

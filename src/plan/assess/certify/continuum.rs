@@ -76,7 +76,7 @@ impl Evidence<'_> {
             return Err(other(what, &"one", "none, for pictures may be as near as they like"));
         }
         let priced: Vec<PricedPictures> = balls.iter().map(PicturePrice::priced).collect();
-        let is_in_order = priced.is_sorted_by(|a, b| a.in_order(b).is_lt());
+        let is_in_order = priced.is_sorted_by(|a, b| a.by_joints(b).is_lt());
         let is_as_stated = balls.iter().zip(&priced).all(|(ball, priced)| ball.between_rad == priced.between);
         if !is_in_order || !is_as_stated {
             return Err(other("the balls of pictures at all joint values", &"out of order", "ascending, each once"));
